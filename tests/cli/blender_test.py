@@ -313,7 +313,7 @@ seen = types.SimpleNamespace(is_perspective=False, view_matrix=view, window_matr
                              perspective_matrix=lens @ view)
 cube.location, cube.scale, cube.rotation_euler = (1, 1, 0.5), (0.5, 0.25, 2), (0, 0, math.pi / 2)
 bpy.context.view_layer.update()
-spot = lambda x, y: sherd_fracture.operator.point_under(bpy.context, region, seen, (x, y), cube)
+spot = lambda x, y: sherd_fracture.targets.point_under(bpy.context, region, seen, (x, y), cube)
 answer(hit=spot(100, 75)[:], beside=spot(150, 75))
 ''')
         np.testing.assert_allclose(reported["hit"], [1, 1, 2.5], atol=1e-5)
@@ -324,6 +324,7 @@ answer(hit=spot(100, 75)[:], beside=spot(150, 75))
 bpy.ops.object.sherd_fracture(pieces=3, resolution=32)
 first = bpy.context.active_object
 before = measures(first)
+only(first)
 bpy.ops.object.sherd_fracture(pieces=4, resolution=32, seed=5)
 answer(pieces=[look(p) for p in bpy.context.selected_objects], before=before,
      collections={c.name: sorted(k.name for k in c.children) for c in bpy.data.collections},
@@ -332,7 +333,7 @@ answer(pieces=[look(p) for p in bpy.context.selected_objects], before=before,
         pieces = self.assert_fragments(reported)
         names = [f"Cube_001_00{i}" for i in range(1, 5)]
         self.assertEqual([f["name"] for f in pieces], names)
-        self.assertEqual(reported["collections"]["Cube"], ["Cube_001"])
+        self.assertEqual(reported["collections"]["Cube"], ["Cube glue", "Cube_001"])
         self.assertEqual(reported["moving"], ["Cube_001_001", "Cube_001_002", "Cube_001_003", "Cube_001_004",
                                           "Cube_002", "Cube_003"])  # not the hidden one in their midst
         self.assertTrue(reported["hidden"])
@@ -364,11 +365,11 @@ answer(before=before, broken=broken, undone=undone, redone=scene())
         self.assertEqual(reported["redone"], reported["broken"])
 
     def test_fragments_fall_and_do_not_burst(self):
-        """Neighbors touch, and hulls overlap a little: without gravity a broken cube parts by less than its side in a
-        second, and not at all where the fragments rest until hit.  With gravity they fall.
+        """Without glue: neighbors touch, and hulls overlap a little, so without gravity a broken cube parts by less than its
+        side in a second, and not at all where the fragments rest until hit.  With gravity they fall.
         """
         reported = self.run_addon('''
-bpy.ops.object.sherd_fracture(pieces=6, resolution=48)
+bpy.ops.object.sherd_fracture(pieces=6, resolution=48, glue=False)
 pieces, scene = bpy.context.selected_objects, bpy.context.scene
 def places(frames):
     for f in range(1, frames + 1):
@@ -384,7 +385,7 @@ for p in pieces:
 scene.use_gravity = False
 cube.hide_set(False)
 only(cube)
-bpy.ops.object.sherd_fracture(pieces=6, resolution=48, asleep=True)
+bpy.ops.object.sherd_fracture(pieces=6, resolution=48, asleep=True, glue=False)
 pieces = bpy.context.selected_objects
 answer(parted=parted, fallen=fallen, asleep=(places(1), places(24)))
 ''')

@@ -4,6 +4,7 @@
 index of the material per face."""
 import numpy as np
 
+DENSITY = "sherd_density"  # a property of vertices: pieces per volume, relative
 
 def colors_of(mesh):
     """Name and bytes [vertices, 3] of the active colors, those of corners averaged; None, None without any."""
@@ -22,8 +23,8 @@ def colors_of(mesh):
     return layer.name, np.rint(255 * np.clip(colors, 0, 1)).astype(np.uint8)
 
 
-def write_ply(path, mesh, world):
-    """Write a mesh's triangles in world space.  Returns the names of its texture coordinates and colors, or None."""
+def write_ply(path, mesh, world, density=None):
+    """Write a mesh's triangles in world space, and numbers of its vertices as DENSITY.  Returns the names of its texture coordinates and colors, or None."""
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     corners, loops = np.empty((count, 3), np.int32), np.empty((count, 3), np.int32)
@@ -49,7 +50,12 @@ def write_ply(path, mesh, world):
     if colors is not None:
         head += [f"property uchar {channel}" for channel in ("red", "green", "blue")]
         fields.append(("color", "u1", 3))
+    if density is not None:
+        head.append(f"property float {DENSITY}")
+        fields.append((DENSITY, "<f4"))
     vertices = np.empty(len(used), fields)
+    if density is not None:
+        vertices[DENSITY] = density[used]
     vertices["at"] = positions[used]
     if colors is not None:
         vertices["color"] = colors[used]

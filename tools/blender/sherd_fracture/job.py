@@ -11,30 +11,42 @@ import time
 import bpy
 import numpy as np
 
-from .export_mesh import write_ply
+from .diagnosis import counted, sentences
+from .export_mesh import DENSITY, write_ply
 from .failure import Failure
+from .glue import glue, move
 from .import_mesh import INSIDE_COLOR, material, read_mesh
+from .levels import Splits, mark, nest
+from .physics import leave_world, make_body, world_of
 from .program import preference, program
-from .scene import home, limited, make_rigid
+from .progress import Progress
+from .scene import discard, discard_previews, home, limited
+from .weights import density_of
+
+PREVIEW = 32  # voxels along the longest side
 
 
 class Job:
-    """One run of sherd: started by the constructor; fetch() imports the fragments, close() cleans up."""
+    """One run of sherd for one object: started by the constructor; fetch() makes the fragments, close() cleans up.  Objects
+    are known by name, since an undo step would leave pointers to nothing.
+    """
 
-    def __init__(self, context, thing, choices):
-        self.thing, self.process, self.scratch = thing, None, None
-        self.collection, self.fragments = None, []
-        self.density, self.rigid, self.original = choices.density, choices.rigid_body, choices.original
-        self.inside, self.asleep = choices.inside_material, choices.asleep
+    def __init__(self, context, name, choices, position=None, folder=""):
+        self.name, self.choices, self.position = name, choices, position
+        self.process = self.scratch = self.collection = None
+        self.fragments, self.complete, self.notes, self.lonely = [], False, [], False
+        self.progress, self.expected = Progress(), 0
         self.deadline = time.monotonic() + preference(context, "timeout", 600)
         binary = program(context)
         self.scratch = tempfile.mkdtemp(prefix="sherd-")
+        self.shown = self.show(context)
         try:
-            self.kept = bool(choices.folder)
-            self.out = bpy.path.abspath(choices.folder) if self.kept else os.path.join(self.scratch, "out")
+            self.kept = bool(folder)
+            self.out = bpy.path.abspath(folder) if self.kept else os.path.join(self.scratch, "out")
+            self.inside = choices.inside_material
             self.export(context)
             command = [binary, "fracture", self.mesh, "-o", self.out, "--write", "labels,vdb,mesh" if self.kept else
-                       "mesh", "--json", *self.options(choices)]
+                       "mesh", "--json", *options(choices, position, self.weighted)]
             with open(self.path("report"), "wb") as report, open(self.path("errors"), "wb") as errors:
                 self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=report, stderr=errors)
         except OSError as error:
@@ -51,6 +63,22 @@ class Job:
     def __exit__(self, *_):
         self.close()
 
+    @property
+    def thing(self):
+        found = bpy.data.objects.get(self.name)
+        if found is None:
+            raise Failure(f"{self.name} is gone; it was removed or renamed while sherd was breaking it")
+        return found
+
+    def show(self, context):
+        """Shows the object, if a preview hides it: modifiers of hidden objects are not evaluated.  Returns whether it was
+        hidden."""
+        hidden = self.thing.hide_get()
+        if hidden:
+            self.thing.hide_set(False)
+            context.view_layer.update()
+        return hidden
+
     def path(self, name):
         return os.path.join(self.scratch, name)
 
@@ -66,24 +94,14 @@ class Job:
             for i, slot in enumerate(self.thing.material_slots):
                 if slot.link == "OBJECT" and i < len(self.materials):
                     self.materials[i] = slot.material
-            self.uv_name, self.color_name = write_ply(self.mesh, mesh, evaluated.matrix_world)
+            density = density_of(self.thing, mesh, self.choices.weight_group)
+            self.weighted = density is not None
+            self.uv_name, self.color_name = write_ply(self.mesh, mesh, evaluated.matrix_world, density)
         finally:
             evaluated.to_mesh_clear()
 
-    @staticmethod
-    def options(choices):
-        words = ["--pieces", choices.pieces, "--resolution", choices.resolution, "--seed", choices.seed,
-                 "--growth", choices.growth.lower(), "--erode-iterations", choices.wear]
-        if choices.roughness > 0:
-            words += ["--roughness", f"{choices.roughness:.6g}"]
-        if choices.impact_position is not None:
-            parts = [f"{x:.9g}" for x in choices.impact_position] + [str(choices.impact_pieces)]
-            if choices.impact_spread > 0:
-                parts.append(f"{choices.impact_spread:.6g}")
-            words += ["--impact=" + ",".join(parts)]  # one word: it may begin with a minus
-        return [str(word) for word in words]
-
     def running(self):
+        self.progress.read(self.path("errors"))
         if self.process.poll() is not None:
             return False
         if time.monotonic() > self.deadline:
@@ -91,12 +109,16 @@ class Job:
                           "resolution, or a longer limit in the add-on's preferences")
         return True
 
-    def wait(self):
-        try:
-            while self.running():
-                time.sleep(0.02)
-        except KeyboardInterrupt:
-            raise Failure(f"breaking {self.thing.name} was interrupted") from None
+    def doing(self):
+        """The stage, for the status bar."""
+        if self.process and self.process.returncode is None:
+            return self.progress.stage or "start"
+        return f"{len(self.fragments)} of {self.expected} fragments in Blender" if self.expected else "read"
+
+    def share(self):
+        """How much is done, 0 to 1: four fifths are sherd's."""
+        made = len(self.fragments) / self.expected if self.expected else 0
+        return 0.8 * (1 if self.expected else self.progress.overall) + 0.2 * made
 
     def messages(self):
         """Returns the error and the warnings of sherd, with the object's name in place of the temporary file's."""
@@ -107,34 +129,70 @@ class Job:
                   if line.startswith("sherd:") and not line.startswith("sherd: warning:")]
         return " ".join(errors), warnings
 
-    def fetch(self, context):
-        """Returns the fragments as objects, the first one active, and warnings."""
+    def manifest(self):
         error, warnings = self.messages()
         status = self.process.returncode
         if status in (130, -2, -15):
-            raise Failure(f"breaking {self.thing.name} was interrupted")
+            raise Failure(f"breaking {self.name} was interrupted")
         if status < 0:
-            raise Failure(f"sherd was ended by signal {-status} while breaking {self.thing.name}")
+            raise Failure(f"sherd was ended by signal {-status} while breaking {self.name}")
         if status != 0:
             raise Failure(error or f"sherd ended with status {status} and no message")
+        self.notes += warnings
         try:
             with open(os.path.join(self.out, "manifest.json"), encoding="utf-8") as file:
-                manifest = json.load(file)
+                return json.load(file)
         except (OSError, ValueError):
             raise Failure("sherd succeeded but wrote no manifest.json; check that the program is sherd") from None
-        for _ in self.build(context, manifest):
-            pass
-        fragments = self.fragments
-        for other in context.selected_objects:
-            other.select_set(False)
-        for fragment in fragments:
-            fragment.select_set(True)
-        context.view_layer.objects.active = fragments[0]
-        if self.rigid and not make_rigid(context, fragments, self.density, self.asleep):
-            warnings.append("this scene may not have rigid bodies; the fragments are plain objects")
-        if self.original == "HIDE":
+
+    def fetch(self, context):
+        """Makes the fragments and what belongs to them; a generator with a stop after each fragment."""
+        manifest = self.manifest()
+        self.notes += sentences(self.name, manifest)
+        self.expected = len(manifest["fragments"])
+        yield from self.build(context, manifest)
+        if not self.fragments:
+            raise Failure(f"sherd withheld all fragments of {self.name}")
+        splits, above = Splits(manifest), self.thing.get("sherd_level", 0)
+        for fragment in self.fragments:
+            mark(fragment, splits, above)
+            yield
+        discard_previews(self.name)
+        home(context, self.thing).children.link(self.collection)
+        nest(self.collection, self.fragments, splits, self.choices.levels)
+        if self.choices.preview:
+            self.collection["sherd_preview"] = self.name
+        elif self.choices.rigid_body:
+            yield from self.simulate(context, manifest)
+        if self.choices.original == "HIDE":
+            if not self.choices.preview:
+                self.move_glue(context, manifest)
             self.hide(context)
-        return fragments, warnings
+        self.complete = True
+
+    def simulate(self, context, manifest):
+        """Makes the fragments bodies, and glues them."""
+        self.lonely = context.scene.rigidbody_world is None
+        world = world_of(context)
+        if world is None:
+            self.notes.append("this scene may not have rigid bodies; the fragments are plain objects")
+            return
+        for fragment in self.fragments:
+            make_body(world, fragment, self.choices)
+            yield
+        if self.choices.glue:
+            yield from glue(world, self.collection, self.fragments, manifest, self.choices.strength)
+
+    def move_glue(self, context, manifest):
+        """Gives the glue of an object that is a piece itself to its fragments."""
+        context.view_layer.update()
+        bodies = [each for each in self.fragments if each.rigid_body]
+        moved, lost = move(context, self.thing, bodies, manifest["grid"]["voxel_size"] / 2)
+        if moved:
+            self.notes.append(f"glue of {self.name} to {counted(moved, 'neighbor')} was moved to its pieces")
+        if lost:
+            why = "no piece touches" if bodies else "its pieces are no rigid bodies"
+            self.notes.append(f"glue of {self.name} to {counted(lost, 'neighbor')} was removed: {why}")
 
     def build(self, context, manifest):
         """Makes the fragments, in a collection of their own; a generator with a stop after each."""
@@ -162,17 +220,17 @@ class Job:
             self.collection.objects.link(fragment)
             self.fragments.append(fragment)
             yield
-        home(context, thing).children.link(self.collection)
 
     def hide(self, context):
-        """Hides the object and removes its rigid body, which would still push the fragments."""
-        world = context.scene.rigidbody_world
-        if self.thing.rigid_body and world and world.collection and self.thing in world.collection.objects[:]:
-            world.collection.objects.unlink(self.thing)
+        """Hides the object and removes its rigid body."""
+        if not self.choices.preview:
+            leave_world(context, self.thing)
         self.thing.hide_set(True)
-        self.thing.hide_render = True
+        if not self.thing.library:
+            self.thing.hide_render = True
 
     def close(self):
+        """Ends the program, and removes files and what is not complete."""
         if self.process and self.process.poll() is None:
             self.process.terminate()
             try:
@@ -182,3 +240,42 @@ class Job:
                 self.process.wait()
         if self.scratch:
             shutil.rmtree(self.scratch, ignore_errors=True)
+        if not self.complete:
+            self.take_back()
+
+    def take_back(self):
+        """Removes what was made of an object that is not complete."""
+        try:
+            discard(self.collection)
+            thing = bpy.data.objects.get(self.name)
+            if self.shown and thing:
+                thing.hide_set(True)
+            if self.lonely and bpy.context.scene.rigidbody_world:
+                bpy.ops.rigidbody.world_remove()
+        except (ReferenceError, RuntimeError):
+            pass  # an undo step has already removed it
+
+
+def options(choices, position, weighted):
+    """Words for sherd: what the user changed, so that the material decides about the rest.  A preview has the cracks of the
+    final at a low resolution, so lengths in voxels become shares of the object."""
+    resolution = min(choices.resolution, PREVIEW) if choices.preview else choices.resolution
+    words = ["--pieces", choices.pieces, "--resolution", resolution, "--seed", choices.seed,
+             "--surface", choices.surface.lower()]
+    if choices.material != "NONE":
+        words += ["--material", choices.material.lower()]
+    if choices.growth != "AUTO":
+        words += ["--growth", choices.growth.lower()]
+    length = (lambda voxels: f"{100 * voxels / choices.resolution:.6g}%") if choices.preview else "{:.6g}".format
+    if choices.wear:
+        words += ["--erode-iterations", length(choices.wear)]
+    if choices.roughness > 0:
+        words += ["--roughness", length(choices.roughness)]
+    if weighted:
+        words += ["--density-attribute", DENSITY]
+    if position is not None:
+        parts = [f"{x:.9g}" for x in position] + [str(choices.impact_pieces)]
+        if choices.impact_spread > 0:
+            parts.append(f"{choices.impact_spread:.6g}")
+        words += ["--impact=" + ",".join(parts)]  # one word: it may begin with a minus
+    return [str(word) for word in words]

@@ -1,55 +1,132 @@
 # Copyright (C) 2026 The Sherd authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operator that breaks an object."""
+"""The operator that breaks the selected objects."""
 import bpy
-from bpy.props import FloatVectorProperty
-from bpy_extras import view3d_utils
+from bpy.props import BoolProperty, FloatVectorProperty
 
+from .batch import Batch
 from .failure import Failure
-from .job import Job
 from .program import program
 from .settings import Choices
+from .targets import first_under, targets
 
-CONVERTIBLE = ("CURVE", "SURFACE", "META", "FONT")
+EVERY = 0.05  # seconds between two steps; each works as long, so that half of the time is Blender's
+VIEW = {"MIDDLEMOUSE", "MOUSEMOVE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "NDOF_MOTION",
+        "WINDOW_DEACTIVATE", "INBETWEEN_MOUSEMOVE", "TIMER_REPORT", "TIMER_REGION"}
 
 
-class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
-    """Break the active mesh object into closed fragments with sherd"""
+class Breaking:
+    """The operator's events.  `self` has the options."""
 
-    bl_idname = "object.sherd_fracture"
-    bl_label = "Sherd Fracture"
-    bl_options = {"REGISTER", "UNDO"}
+    batch = timer = said = None
+    names, left = (), ()
 
-    impact_point: FloatVectorProperty(name="Impact Point", subtype="XYZ", options={"HIDDEN", "SKIP_SAVE"})
-
-    job = timer = None
-
-    def thing(self, context):
-        thing = context.active_object
-        if thing is None or not thing.select_get():
-            raise Failure("nothing is selected; select the mesh object to break")
-        if thing.type != "MESH":
-            hint = "convert it first (Object > Convert)" if thing.type in CONVERTIBLE else "select a mesh object"
-            raise Failure(f"{thing.name} is of type {thing.type.lower()}, not a mesh; {hint}")
-        if thing.mode != "OBJECT":
-            raise Failure(f"{thing.name} is in {thing.mode.lower()} mode; leave it first (Tab)")
-        return thing
-
-    def begin(self, context):
-        self.impact_position = None
+    def prepare(self, context, position=None, struck=None):
+        """The work on the selected objects.  An impact under the mouse strikes one of them only."""
+        self.names, self.left = targets(context)
+        positions = {}
         if self.impact == "CURSOR":
-            self.impact_position = tuple(context.scene.cursor.location)
+            positions = dict.fromkeys(self.names, tuple(context.scene.cursor.location))
         elif self.impact == "MOUSE":
-            if not self.properties.is_property_set("impact_point"):
-                raise Failure("an impact under the mouse needs a click in a 3D view; use the 3D cursor without one")
-            self.impact_position = tuple(self.impact_point)
-        return Job(context, self.thing(context), self)
+            positions = dict.fromkeys([struck] if struck else self.names, tuple(position))
+        return Batch(self.names, self, positions)
 
-    def end(self, context, job):
-        fragments, warnings = job.fetch(context)
-        for warning in warnings:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{len(fragments)} fragments of {job.thing.name}")
+    def clicked(self):
+        """The point of an impact under the mouse that a script gave, or None."""
+        return tuple(self.impact_point) if self.properties.is_property_set("impact_point") else None
+
+    def execute(self, context):
+        """Blocking run, for scripts."""
+        try:
+            if self.impact == "MOUSE" and self.clicked() is None:
+                raise Failure("an impact under the mouse needs a click in a 3D view; use the 3D cursor without one")
+            self.batch = self.prepare(context, self.clicked())
+            program(context)
+        except Failure as failure:
+            return self.fail(context, failure)
+        self.batch.wait(context)
+        return self.finish(context)
+
+    def invoke(self, context, _event):
+        """From the panel: first a click if needed, then a run that Esc stops."""
+        if bpy.app.background or context.window is None:
+            return self.execute(context)
+        return self.open(context)
+
+    def open(self, context):
+        try:
+            self.names, self.left = targets(context)
+            program(context)
+            if self.impact == "MOUSE" and self.clicked() is None:
+                if context.area is None or context.area.type != "VIEW_3D":
+                    raise Failure("an impact under the mouse needs a click in a 3D view; start it from the sidebar there")
+                context.workspace.status_text_set("Click the impact point; right click or Esc: no fracture")
+                context.window.cursor_modal_set("CROSSHAIR")
+            else:
+                self.start(context, self.prepare(context, self.clicked()))
+        except Failure as failure:
+            return self.fail(context, failure)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def start(self, context, batch):
+        self.batch = batch
+        self.timer = context.window_manager.event_timer_add(EVERY, window=context.window)
+        context.window_manager.progress_begin(0, 100)
+        context.window.cursor_modal_set("DEFAULT")
+        self.show(context)
+
+    def show(self, context):
+        """Stage and percentage, in the status bar and at the mouse."""
+        text = self.batch.text()
+        if text != self.said:
+            self.said = text
+            context.workspace.status_text_set(text)
+            context.window_manager.progress_update(int(100 * self.batch.share()))
+
+    def modal(self, context, event):
+        if self.batch is None:
+            return self.pick(context, event)
+        if event.type == "ESC" and event.value == "PRESS":
+            self.batch.stop(context)
+            self.leave(context)
+            if self.batch.done:  # what is done stays, as one step to undo
+                return self.finish(context)
+            self.report({"INFO"}, "no fracture")
+            return {"CANCELLED"}
+        if event.type == "TIMER":
+            if not self.batch.step(context, EVERY):
+                self.leave(context)
+                return self.finish(context)
+            self.show(context)
+        return {"PASS_THROUGH"} if event.type in VIEW else {"RUNNING_MODAL"}  # no other change meanwhile, nor undo
+
+    def pick(self, context, event):
+        """An event before the impact is chosen."""
+        if event.type in ("ESC", "RIGHTMOUSE"):
+            self.leave(context)
+            self.report({"INFO"}, "no fracture")
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"PASS_THROUGH"}  # the view may be rotated
+        struck, position = first_under(context, event, self.names)
+        if position is None:
+            self.report({"WARNING"}, "the click missed the object")
+            return {"RUNNING_MODAL"}
+        try:
+            self.start(context, self.prepare(context, position, struck))
+        except Failure as failure:
+            return self.fail(context, failure)
+        return {"RUNNING_MODAL"}
+
+    def finish(self, context):
+        """The report: one line for each thing that the user should know, the summary last."""
+        batch = self.batch
+        if not batch.done:
+            return self.fail(context, "; ".join(batch.failures))
+        for sentence in [*self.left, *batch.failures, *batch.notes]:
+            self.report({"WARNING"}, sentence)
+        self.report({"INFO"}, batch.summary())
         return {"FINISHED"}
 
     def fail(self, context, failure):
@@ -57,80 +134,15 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
         self.report({"ERROR"}, str(failure))
         return {"CANCELLED"}
 
-    def execute(self, context):
-        """Blocking run: scripts, and the panel of the last operation."""
-        try:
-            with self.begin(context) as job:
-                job.wait()
-                return self.end(context, job)
-        except Failure as failure:
-            return self.fail(context, failure)
-
-    def invoke(self, context, _event):
-        """From the panel: first a click if needed, then a run that Esc stops."""
-        if bpy.app.background or context.window is None:
-            return self.execute(context)
-        try:
-            self.thing(context)
-            program(context)
-            if self.impact == "MOUSE" and not self.properties.is_property_set("impact_point"):
-                if context.area is None or context.area.type != "VIEW_3D":
-                    raise Failure("an impact under the mouse needs a click in a 3D view; start it from the sidebar there")
-                context.workspace.status_text_set("Click the impact point; right click or Esc: no fracture")
-                context.window.cursor_modal_set("CROSSHAIR")
-            else:
-                self.start(context)
-        except Failure as failure:
-            return self.fail(context, failure)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def start(self, context):
-        self.job = self.begin(context)
-        self.timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.workspace.status_text_set(f"Sherd is breaking {self.job.thing.name}; Esc stops it")
-        context.window.cursor_modal_set("WAIT")
-
-    def pick(self, context, event):
-        """The point of the object under the mouse; None beside the object."""
-        for region in context.area.regions:
-            x, y = event.mouse_x - region.x, event.mouse_y - region.y
-            if region.type == "WINDOW" and 0 <= x < region.width and 0 <= y < region.height:
-                return point_under(context, region, region.data, (x, y), self.thing(context))
-        return None
-
-    def modal(self, context, event):
-        try:
-            if event.type == "ESC" or (event.type == "RIGHTMOUSE" and self.job is None):
-                self.leave(context)
-                self.report({"INFO"}, "no fracture")
-                return {"CANCELLED"}
-            if self.job is None:
-                if event.type != "LEFTMOUSE" or event.value != "PRESS":
-                    return {"PASS_THROUGH"}  # the view may be rotated
-                position = self.pick(context, event)
-                if position is None:
-                    self.report({"WARNING"}, "the click missed the object")
-                    return {"RUNNING_MODAL"}
-                self.impact_point = position
-                self.start(context)
-            elif event.type == "TIMER" and not self.job.running():
-                job, self.job = self.job, None
-                self.leave(context)
-                with job:
-                    return self.end(context, job)
-        except Failure as failure:
-            return self.fail(context, failure)
-        return {"RUNNING_MODAL"}
-
     def leave(self, context):
-        if self.job:
-            self.job.close()
-            self.job = None
+        """Ends the display of progress, and the work if it is not at its end."""
+        if self.batch:
+            self.batch.stop(context)
         if self.timer:
             context.window_manager.event_timer_remove(self.timer)
+            context.window_manager.progress_end()
             self.timer = None
-        if not bpy.app.background and context.window:
+        if context.window and not bpy.app.background:
             context.window.cursor_modal_restore()
             context.workspace.status_text_set(None)
 
@@ -138,11 +150,13 @@ class OBJECT_OT_sherd_fracture(bpy.types.Operator, Choices):
         self.leave(context)
 
 
-def point_under(context, region, view, at, thing):
-    """First intersection of the ray through a pixel with an object, in world space, or None."""
-    start = view3d_utils.region_2d_to_origin_3d(region, view, at)
-    along = view3d_utils.region_2d_to_vector_3d(region, view, at)
-    evaluated = thing.evaluated_get(context.evaluated_depsgraph_get())
-    local = evaluated.matrix_world.inverted_safe()
-    hit, position, _, _ = evaluated.ray_cast(local @ start, local.to_3x3() @ along)
-    return evaluated.matrix_world @ position if hit else None
+class OBJECT_OT_sherd_fracture(Breaking, bpy.types.Operator, Choices):
+    """Break the selected mesh objects into closed fragments with sherd"""
+
+    bl_idname = "object.sherd_fracture"
+    bl_label = "Sherd Fracture"
+    bl_options = {"UNDO"}  # not REGISTER: the panel of the last operation would run it again while Blender waits
+
+    preview: BoolProperty(name="Preview", default=False, options={"SKIP_SAVE"},
+                          description="Break at a low resolution, without rigid bodies; the next run replaces it")
+    impact_point: FloatVectorProperty(name="Impact Point", subtype="XYZ", options={"HIDDEN", "SKIP_SAVE"})

@@ -16,25 +16,42 @@ class VIEW3D_PT_sherd(bpy.types.Panel):
         layout, chosen = self.layout, context.scene.sherd
         layout.use_property_split = True
         layout.use_property_decorate = False
+        self.cracks(layout, chosen, context.active_object)
+        self.result(layout, chosen)
+        row = layout.row(align=True)
+        for text, icon, preview in (("Preview", "HIDE_OFF", True), ("Break", "MOD_EXPLODE", False)):
+            run = row.operator("object.sherd_fracture", text=text, icon=icon)
+            for name in NAMES:
+                setattr(run, name, getattr(chosen, name))
+            run.preview = preview
+
+    def cracks(self, layout, chosen, active):
         column = layout.column()
-        for name in ("pieces", "resolution", "seed", "growth", "roughness", "wear"):
+        for name in ("pieces", "resolution", "seed", "material", "growth"):
+            column.prop(chosen, name)
+        if chosen.growth == "SEQUENTIAL" or chosen.material not in ("NONE", "TEMPERED"):
+            column.prop(chosen, "levels")
+        for name in ("surface", "roughness", "wear"):
             column.prop(chosen, name)
         column = layout.column()
         column.prop(chosen, "impact")
         if chosen.impact != "NONE":
             column.prop(chosen, "impact_pieces")
             column.prop(chosen, "impact_spread")
+        if active and active.type == "MESH":
+            column.prop_search(chosen, "weight_group", active, "vertex_groups")
+
+    def result(self, layout, chosen):
         column = layout.column()
         column.prop_search(chosen, "inside_material", bpy.data, "materials")
         column.prop(chosen, "rigid_body")
         if chosen.rigid_body:
-            column.prop(chosen, "density")
-            column.prop(chosen, "asleep")
+            for name in ("shape", "density", "asleep", "glue"):
+                column.prop(chosen, name)
+            if chosen.glue:
+                column.prop(chosen, "strength")
         column.prop(chosen, "original")
         column.prop(chosen, "folder")
-        run = layout.operator("object.sherd_fracture", text="Break", icon="MOD_EXPLODE")
-        for name in NAMES:
-            setattr(run, name, getattr(chosen, name))
 
 
 def menu(self, _context):

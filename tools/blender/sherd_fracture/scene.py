@@ -1,13 +1,13 @@
 # Copyright (C) 2026 The Sherd authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Collections, names and rigid bodies."""
+"""Collections and names."""
 import bpy
 
 
 def home(context, thing):
     """The collection of the view layer that holds an object."""
     def shown(layer):
-        if not layer.exclude:
+        if not layer.exclude and not layer.collection.library:
             yield layer.collection
         for child in layer.children:
             yield from shown(child)
@@ -15,24 +15,36 @@ def home(context, thing):
                 context.scene.collection)
 
 
-def make_rigid(context, fragments, density, asleep):
-    """Makes the fragments, which are the selection, active rigid bodies.  Returns False if the scene does not allow any."""
-    scene = context.scene
-    try:
-        if scene.rigidbody_world is None:
-            bpy.ops.rigidbody.world_add()
-        bpy.ops.rigidbody.objects_add(type="ACTIVE")
-    except RuntimeError:
-        return False
-    for thing in fragments:
-        body = thing.rigid_body
-        if body is None:
-            return False
-        body.collision_shape = "CONVEX_HULL"
-        body.use_margin, body.collision_margin = True, 0.0
-        body.mass = density * thing["sherd_volume"]
-        body.use_deactivation = body.use_start_deactivated = asleep
-    return True
+def discard(collection):
+    """Removes a fracture: its pieces with their meshes, its glue, and the collections that hold them."""
+    if collection is None:
+        return
+    for child in collection.children[:]:
+        discard(child)
+    for thing in collection.objects[:]:
+        mesh = thing.data
+        bpy.data.objects.remove(thing)
+        if mesh and not mesh.users:
+            bpy.data.meshes.remove(mesh)
+    bpy.data.collections.remove(collection)
+
+
+def discard_previews(name):
+    """Removes the previews of an object."""
+    for collection in [each for each in bpy.data.collections if each.get("sherd_preview") == name]:
+        discard(collection)
+
+
+def select(context, names):
+    """Selects objects and nothing else; the first one is active."""
+    for thing in context.view_layer.objects:
+        if thing.select_get():
+            thing.select_set(False)
+    found = [thing for thing in map(context.view_layer.objects.get, names) if thing]
+    for thing in found:
+        thing.select_set(True)
+    if found:
+        context.view_layer.objects.active = found[0]
 
 
 def limited(name, room):

@@ -1,0 +1,34 @@
+# Copyright (C) 2026 The Sherd authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Sherd found and repaired in a mesh, as sentences for the user."""
+
+
+def counted(number, one, many=None):
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+def sentences(name, manifest):
+    """A sentence for each kind of defect that was repaired, and for what came out otherwise than asked."""
+    report, found = manifest.get("report") or {}, []
+    get = lambda key: report.get(key) or 0
+    if report.get("fill") == "shell":
+        found.append(f"{name} encloses nothing and became a shell {report.get('shell_thickness', 0):.3g} thick")
+    elif get("boundary_edges"):
+        found.append(f"{name} has {counted(get('boundary_edges'), 'open edge')}; its holes were filled")
+    if get("non_manifold_edges"):
+        found.append(f"{name} has {counted(get('non_manifold_edges'), 'edge')} of more than two faces; "
+                     "the inside was found by winding numbers")
+    turned = get("flipped_triangles") or get("misoriented_edges")
+    if turned:
+        found.append(f"faces of {name} were turned around, to agree with their neighbors")
+    dropped = get("degenerate_triangles") + get("zero_area_triangles") + get("duplicate_triangles")
+    if dropped:
+        found.append(f"{counted(dropped, 'face')} of {name} without area or repeated were left out")
+    if get("bridges"):
+        found.append(f"walls of {name} thinner than a voxel were thickened ({counted(get('bridges'), 'voxel')})")
+    if manifest.get("pieces_asked"):
+        found.append(f"{name} has {counted(manifest['components'], 'separate part')}, and so more pieces than the "
+                     f"{manifest['pieces_asked']} asked for")
+    if manifest.get("exact_failure"):
+        found.append(f"pieces of {name} have smooth surfaces, not its own: {manifest['exact_failure']}")
+    return found

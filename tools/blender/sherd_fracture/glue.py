@@ -1,0 +1,127 @@
+# Copyright (C) 2026 The Sherd authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Breakable constraints between pieces that touch: an empty each, which holds an impulse of strength times area."""
+import bpy
+import numpy as np
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+
+
+def contacts_of(manifest):
+    """Pairs of ids, the lower first, with the area and the center of their contact."""
+    for entry in manifest["fragments"]:
+        for contact in entry.get("contacts", []):
+            if contact["id"] > entry["id"]:
+                yield entry["id"], contact["id"], contact["area"], contact["centroid"]
+
+
+def join(world, collection, one, other, area, place, strength):
+    """A breakable constraint between two pieces."""
+    empty = bpy.data.objects.new(f"{one.name} - {other.name}"[:60], None)
+    empty.empty_display_type, empty.empty_display_size = "PLAIN_AXES", max(area, 1e-12) ** 0.5 / 4
+    empty.location = place
+    empty["sherd_area"] = area
+    collection.objects.link(empty)
+    world.constraints.objects.link(empty)
+    constraint = empty.rigid_body_constraint
+    constraint.type = "FIXED"
+    constraint.object1, constraint.object2 = one, other
+    constraint.disable_collisions = True
+    constraint.use_breaking, constraint.breaking_threshold = True, strength * area
+    return empty
+
+
+def glue(world, above, pieces, manifest, strength):
+    """Joins all pieces that touch, in a hidden collection of their own; a generator with a stop after each."""
+    collection = bpy.data.collections.new(f"{above.name[:55]} glue")
+    collection["sherd_glue"] = True
+    above.children.link(collection)
+    of = {piece["sherd_fragment"]: piece for piece in pieces}
+    for one, other, area, place in contacts_of(manifest):
+        if one in of and other in of:
+            join(world, collection, of[one], of[other], area, place, strength)
+            yield
+
+
+def joints(world):
+    """The constraints that Sherd made."""
+    found = world.constraints.objects[:] if world and world.constraints else []
+    return [empty for empty in found if empty.rigid_body_constraint and "sherd_area" in empty]
+
+
+def prune(context):
+    """Removes constraints whose pieces were deleted, and collections that are empty after it."""
+    world = context.scene.rigidbody_world
+    for empty in joints(world):
+        ends = empty.rigid_body_constraint.object1, empty.rigid_body_constraint.object2
+        if any(end is None or not end.users_scene for end in ends):
+            remove(empty)
+
+
+def remove(empty):
+    homes = [each for each in empty.users_collection if each.get("sherd_glue")]
+    bpy.data.objects.remove(empty)
+    for each in homes:
+        if not each.objects[:]:
+            bpy.data.collections.remove(each)
+
+
+def placed(thing, depsgraph):
+    """Vertices in world space and triangles of a mesh object, as modifiers and the simulation leave it."""
+    evaluated = thing.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh()
+    try:
+        mesh.calc_loop_triangles()
+        at = np.empty((len(mesh.vertices), 3), np.float32)
+        triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
+        mesh.vertices.foreach_get("co", at.ravel())
+        mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
+        matrix = np.array(evaluated.matrix_world, float)
+    finally:
+        evaluated.to_mesh_clear()
+    return at @ matrix[:3, :3].T + matrix[:3, 3], triangles
+
+
+def touching(piece, other, reach, depsgraph):
+    """Area and center of what a piece shares with another object: its triangles that lie within `reach` of the other's,
+    which face the other way."""
+    at, triangles = placed(piece, depsgraph)
+    other_at, other_triangles = placed(other, depsgraph)
+    if not len(triangles) or not len(other_triangles):
+        return 0.0, None
+    corners = at[triangles]
+    middles = corners.mean(axis=1)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    near = ((corners.max(axis=1) >= other_at.min(axis=0) - reach) &
+            (corners.min(axis=1) <= other_at.max(axis=0) + reach)).all(axis=1)
+    tree = BVHTree.FromPolygons(other_at.tolist(), other_triangles.tolist(), all_triangles=True)
+    total, moment = 0.0, np.zeros(3)
+    for i in np.flatnonzero(near):
+        place, normal, _, _ = tree.find_nearest(Vector(middles[i]), reach)
+        area = -normal.dot(Vector(normals[i])) if place is not None else 0  # across the other's surface, which may be smoother
+        if area > np.linalg.norm(normals[i]) / 2:
+            total, moment = total + area, moment + area * middles[i]
+    return total, moment / total if total else None
+
+
+def move(context, old, pieces, reach):
+    """Moves the constraints of a piece that was broken again to those of its pieces that touch the other side.  Returns
+    how many were replaced, and how many were removed, because no piece touches."""
+    world, depsgraph = context.scene.rigidbody_world, context.evaluated_depsgraph_get()
+    moved = lost = 0
+    for empty in joints(world):
+        constraint = empty.rigid_body_constraint
+        if old not in (constraint.object1, constraint.object2):
+            continue
+        other = constraint.object2 if constraint.object1 == old else constraint.object1
+        strength = constraint.breaking_threshold / max(empty["sherd_area"], 1e-30)
+        collection = next((c for c in empty.users_collection if c.get("sherd_glue")), context.scene.collection)
+        found = 0
+        for piece in pieces if other else ():
+            area, place = touching(piece, other, reach, depsgraph)
+            if area > 1e-3 * empty["sherd_area"]:
+                join(world, collection, piece, other, area, place, strength)
+                found += 1
+        moved, lost = moved + bool(found), lost + (not found)
+        remove(empty)
+    return moved, lost

@@ -1,0 +1,73 @@
+# Copyright (C) 2026 The Sherd authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The order of cracks of sequential growth: levels of pieces and faces, and nested collections."""
+import bpy
+import numpy as np
+
+
+class Splits:
+    """The tree of splits of a manifest; of other growths a single level."""
+
+    def __init__(self, manifest):
+        self.splits = {split["id"]: split for split in manifest.get("splits", [])}
+        self.of_fragment = {entry["id"]: entry.get("split", 0) for entry in manifest["fragments"]}
+
+    def chain(self, fragment):
+        """The splits that made a fragment, the last one first."""
+        at, found = self.of_fragment.get(fragment, 0), []
+        while at in self.splits:
+            found.append(at)
+            at = self.splits[at]["parent"]
+        return found
+
+    def level(self, fragment):
+        """How many splits made a fragment; 1 where there are no splits."""
+        return len(self.chain(fragment)) if self.splits else 1
+
+    def crack(self, one, other):
+        """The level of the split between two fragments; 1 where there are no splits."""
+        earlier = set(self.chain(other))
+        common = next((split for split in self.chain(one) if split in earlier), None)
+        return self.splits[common]["level"] if common else 1
+
+
+def mark(piece, splits, above):
+    """Properties of a piece, and the face attributes piece, inside and level.  `above`: the level of what was broken."""
+    fragment, mesh = piece["sherd_fragment"], piece.data
+    piece["sherd_level"] = above + splits.level(fragment)
+    piece["sherd_parent"] = splits.of_fragment.get(fragment, 0)
+    neighbor = np.empty(len(mesh.polygons), np.int32)
+    mesh.attributes["neighbor"].data.foreach_get("value", neighbor)
+    others, which = np.unique(neighbor, return_inverse=True)
+    levels = np.array([above + splits.crack(fragment, int(other)) if other else 0 for other in others], np.int32)
+    put(mesh, "piece", "INT", np.full(len(neighbor), fragment, np.int32))
+    put(mesh, "level", "INT", levels[which.ravel()])
+    if "inside" not in mesh.attributes:
+        put(mesh, "inside", "BOOLEAN", neighbor > 0)
+
+
+def put(mesh, name, kind, values):
+    found = mesh.attributes.get(name)
+    if found is not None:
+        mesh.attributes.remove(found)
+    mesh.attributes.new(name, kind, "FACE").data.foreach_set("value", values)
+
+
+def nest(collection, pieces, splits, shown):
+    """Moves pieces into a collection for each piece of an earlier level that was split further, nested `shown` deep."""
+    roots = [split for split in splits.splits.values() if not split["parent"]]
+    made = {}
+    for piece in pieces:
+        chain = splits.chain(piece["sherd_fragment"])[::-1]
+        if len(roots) < 2:
+            chain = chain[1:]  # the first split is that of the whole object
+        home = collection
+        for split in chain[:shown]:
+            if split not in made:
+                made[split] = bpy.data.collections.new(f"{collection.name[:45]} split {split}")
+                made[split]["sherd_level"] = splits.splits[split]["level"]
+                home.children.link(made[split])
+            home = made[split]
+        if home is not collection:
+            collection.objects.unlink(piece)
+            home.objects.link(piece)
