@@ -1,13 +1,16 @@
 # Copyright (C) 2026 The Sherd authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes meshes of Blender from the .ply files of fragments.  Materials stay in Blender: faces get the object's."""
-import math
-
+"""Makes meshes of Blender from the .ply files of fragments.  The outside gets what the source has, see places.py."""
 import bpy
 import numpy as np
 
-INSIDE_COLOR = (0.745, 0.672, 0.552)  # sRGB 224, 214, 196, as in Sherd's material `inside`
-SMOOTH_BELOW = math.radians(40)
+from .arrays import read, write
+from .attributes import OWN, Attribute, add_attribute, add_groups, mark_faces
+from .places import Places
+from .shading import shade
+
+INSIDE_COLOR = (0.745, 0.672, 0.552)  # linear; sRGB 224, 214, 196, as in Sherd's material `inside`
+SOURCE_FACE = "source_face"  # the property of faces that --source-faces writes
 PLY_TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
 PLY_LISTS = {"vertex_indices": 3, "texcoord": 6}
 
@@ -49,59 +52,133 @@ def material(name, color):
     return found
 
 
-def shade_smooth(mesh, neighbor):
-    """Smooth shading with sharp contact boundaries."""
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(neighbor), bool))
-    if bpy.app.version < (4, 1, 0):
-        mesh.use_auto_smooth = True
-        mesh.auto_smooth_angle = SMOOTH_BELOW
-    else:
-        mesh.set_sharp_from_angle(angle=SMOOTH_BELOW)
-    edge = np.empty(3 * len(neighbor), np.int32)
-    mesh.loops.foreach_get("edge_index", edge)
-    low, high = np.full(len(mesh.edges), 2**31 - 1), np.full(len(mesh.edges), -1)
-    np.minimum.at(low, edge, np.repeat(neighbor, 3))
-    np.maximum.at(high, edge, np.repeat(neighbor, 3))
-    sharp = np.empty(len(mesh.edges), bool)
-    mesh.edges.foreach_get("use_edge_sharp", sharp)
-    mesh.edges.foreach_set("use_edge_sharp", sharp | (low != high))
+class Piece:
+    """A fragment's file; mesh() makes a mesh relative to `origin` of it.
 
+    exact   whether its outside consists of parts of the source's triangles, else it is near them
+    """
 
-def read_mesh(path, name, origin, materials, inside, uv_name, color_name):
-    """A fragment's mesh relative to `origin`.  A face has material m<i> or the inner one; `neighbor` is a face attribute."""
-    names, vertex, face = read_ply(path)
-    mesh = bpy.data.meshes.new(name)
-    count = len(face)
-    at = np.column_stack([vertex[axis] for axis in "xyz"]).astype(float) - origin
-    mesh.vertices.add(len(vertex))
-    mesh.vertices.foreach_set("co", at.astype(np.float32).ravel())
-    mesh.loops.add(3 * count)
-    mesh.loops.foreach_set("vertex_index", face["vertex_indices"].astype(np.int32).ravel())
-    mesh.polygons.add(count)
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
-    if bpy.app.version < (3, 6, 0):
-        mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
-    slots = [*materials]
-    if inside not in slots:
-        slots.append(inside)
-    for each in slots:
-        mesh.materials.append(each)
-    neighbor = face["neighbor"].astype(np.int32)
-    slot_of = {n: int(text[1:]) for n, text in names.items() if text[:1] == "m" and text[1:].isdigit()}
-    slot = np.full(max(names, default=0) + 1, slots.index(inside), np.int32)
-    for number, index in slot_of.items():
-        slot[number] = min(index, len(materials) - 1)
-    index = slot[face["material"]] if "material" in face.dtype.names else np.where(neighbor, slots.index(inside), 0)
-    mesh.polygons.foreach_set("material_index", index.astype(np.int32))
-    mesh.update(calc_edges=True)
-    if uv_name is not None and "texcoord" in face.dtype.names:
-        layer = mesh.uv_layers.new(name=uv_name)
-        layer.data.foreach_set("uv", face["texcoord"].astype(np.float32).ravel())
-    if color_name is not None and "red" in vertex.dtype.names:
-        layer = mesh.color_attributes.new(color_name, "BYTE_COLOR", "POINT")
-        colors = np.column_stack([*(vertex[c] / 255 for c in ("red", "green", "blue")), np.ones(len(vertex))])
-        layer.data.foreach_set("color_srgb", colors.astype(np.float32).ravel())
-        mesh.color_attributes.active_color = layer
-    mesh.attributes.new("neighbor", "INT", "FACE").data.foreach_set("value", neighbor)
-    shade_smooth(mesh, neighbor)
-    return mesh
+    def __init__(self, source, path, origin, exact):
+        self.source, self.origin, self.exact = source, origin, exact
+        self.names, self.vertex, self.face = read_ply(path)
+        self.at = np.column_stack([self.vertex[axis] for axis in "xyz"])
+        self.places = Places(source, self.at, self.face["vertex_indices"], self.face[SOURCE_FACE])
+        self.neighbor = self.face["neighbor"].astype(np.int32)[self.places.face]
+
+    def mesh(self, name, materials, inside):
+        """materials: of the source's slots; inside: of cracks"""
+        mesh = bpy.data.meshes.new(name)
+        self.build(mesh)
+        self.set_materials(mesh, materials, inside)
+        edge = shade(mesh, self.places, self.neighbor)
+        self.add_uv(mesh)
+        self.add_attributes(mesh, edge)
+        self.mark(mesh)
+        return mesh
+
+    def build(self, mesh):
+        places = self.places
+        mesh.vertices.add(len(self.at))
+        write(mesh.vertices, "co", self.at.astype(float) - self.origin, np.float32)
+        mesh.loops.add(len(places.vertex))
+        write(mesh.loops, "vertex_index", places.vertex, np.int32)
+        mesh.polygons.add(len(places.start))
+        write(mesh.polygons, "loop_start", places.start, np.int32)
+        if bpy.app.version < (3, 6, 0):
+            write(mesh.polygons, "loop_total", places.total, np.int32)
+        mesh.update(calc_edges=True)
+
+    def set_materials(self, mesh, materials, inside):
+        slots = [*materials]
+        if inside not in slots:
+            slots.append(inside)
+        for each in slots:
+            mesh.materials.append(each)
+        cracked = slots.index(inside)
+        index = np.minimum(self.source.material_index[self.places.polygon], len(materials) - 1)
+        index = np.where(self.places.polygon >= 0, index, cracked)
+        lid = (self.places.polygon < 0) & (self.neighbor == 0)  # closes a hole: as Sherd says
+        if lid.any() and "material" in self.face.dtype.names:
+            slot = np.full(max(self.names, default=0) + 1, cracked)
+            for number, text in self.names.items():
+                if text[:1] == "m" and text[1:].isdigit():
+                    slot[number] = min(int(text[1:]), len(materials) - 1)
+            index[lid] = slot[self.face["material"][self.places.face[lid]]]
+        write(mesh.polygons, "material_index", index, np.int32)
+
+    def box_projected(self, mesh):
+        """Texture coordinates of corners: two coordinates in world units, along the axis that a polygon's normal is next
+        to."""
+        normal = read(mesh.polygons, "normal", np.float32, 3)
+        axis = np.repeat(np.abs(normal).argmax(axis=1), self.places.total)
+        backwards = np.repeat(np.take_along_axis(normal, np.abs(normal).argmax(axis=1)[:, None], axis=1)[:, 0] < 0,
+                              self.places.total)
+        at = self.at[self.places.vertex]
+        uv = np.choose(axis[:, None], [at[:, [1, 2]], at[:, [2, 0]], at[:, [0, 1]]])
+        uv[:, 0] *= np.where(backwards, -1, 1)  # seen from outside no texture is mirrored
+        return uv
+
+    def add_uv(self, mesh):
+        inside = self.places.near < 0
+        projected = self.box_projected(mesh)
+        layers = self.source.uv or [Attribute("UVMap", "FLOAT2", "CORNER", np.zeros((len(self.source.loop_vertex), 2),
+                                                                                      np.float32))]
+        for layer in layers:
+            made = mesh.uv_layers.new(name=layer.name, do_init=False)
+            values = self.places.corner_values(layer.values)
+            if not self.exact and layer.name == self.source.uv_render and (self.places.total == 3).all():
+                values = self.transferred_uv()
+            values[inside] = projected[inside]
+            write(made.data, "uv", values, np.float32)
+        for name, choose in ((self.source.uv_active, "active"), (self.source.uv_render, "active_render")):
+            if name in mesh.uv_layers:
+                setattr(mesh.uv_layers[name], choose, True)
+
+    def transferred_uv(self):
+        """Texture coordinates by Sherd, which cuts smooth surfaces along seams; no polygon of those is joined."""
+        return self.face["texcoord"].reshape(-1, 3, 2)[self.places.face].reshape(-1, 2).astype(np.float32)
+
+    def add_attributes(self, mesh, source_edge):
+        places, source = self.places, self.source
+        corner, lies_outside = places.corner_of_vertices(len(self.at), read(mesh.edges, "vertices", np.int32, 2))
+        for each in source.attributes:
+            if each.name in OWN and each.domain == "FACE":
+                continue
+            is_color = each.type in ("BYTE_COLOR", "FLOAT_COLOR")
+            if each.domain == "CORNER":
+                values = places.corner_values(each.values, default=(*INSIDE_COLOR, 1) if is_color else 0)
+            elif each.domain == "POINT":
+                values = places.corner_values(each.values, per_vertex=True)[corner]
+                values[~lies_outside if is_color else corner < 0] = (*INSIDE_COLOR, 1) if is_color else 0
+            else:
+                of = source_edge if each.domain == "EDGE" else places.polygon
+                values = each.values[of]
+                values[of < 0] = 0
+            add_attribute(mesh, each, values)
+        colors = mesh.color_attributes
+        if source.color_active in colors:
+            colors.active_color = colors[source.color_active]
+        if source.color_render in colors and hasattr(colors, "render_color_index"):
+            colors.render_color_index = colors.find(source.color_render)
+        self.corner_of_vertex = corner
+
+    def mark(self, mesh):
+        """Face attributes.  Cracks of a piece that is broken again stay inside, and of their level; see also levels.mark()."""
+        old = {a.name: a.values for a in self.source.attributes if a.domain == "FACE" and a.name in OWN}
+        of, outside = self.places.polygon, self.places.polygon >= 0
+        inside, level = self.neighbor > 0, np.zeros(len(of), np.int32)
+        if "inside" in old:
+            inside = inside | (outside & old["inside"][of].astype(bool))
+        if "level" in old:
+            level = np.where(outside, old["level"][of], 0)
+        mark_faces(mesh, neighbor=self.neighbor, inside=inside, level=level)
+
+    def add_groups(self, thing):
+        names, weights = self.source.groups
+        if not names:
+            return
+        absent = weights < 0
+        values = self.places.corner_values(np.where(absent, 0, weights), per_vertex=True)[self.corner_of_vertex]
+        member = self.places.corner_values((~absent).astype(np.float32), per_vertex=True)[self.corner_of_vertex] > 0
+        values[~member | (self.corner_of_vertex < 0)[:, None]] = -1
+        add_groups(thing, names, values)

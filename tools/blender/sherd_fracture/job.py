@@ -12,17 +12,18 @@ import bpy
 import numpy as np
 
 from .diagnosis import counted, sentences
-from .export_mesh import DENSITY, write_ply
+from .export_mesh import DENSITY, Source
 from .failure import Failure
 from .glue import glue, move
-from .import_mesh import INSIDE_COLOR, material, read_mesh
+from .import_mesh import INSIDE_COLOR, Piece, material
 from .levels import Splits, mark, nest
 from .physics import leave_world, make_body, world_of
-from .program import preference, program
+from .program import arguments_of, environment, preference, program
 from .progress import Progress
-from .scene import discard, discard_previews, home, limited
+from .scene import discard, discard_previews, homes, limited
 from .weights import density_of
 
+ADAPTIVITY = 0.05  # voxels: of the smooth surface, where the exact one fails
 PREVIEW = 32  # voxels along the longest side
 
 
@@ -46,9 +47,11 @@ class Job:
             self.inside = choices.inside_material
             self.export(context)
             command = [binary, "fracture", self.mesh, "-o", self.out, "--write", "labels,vdb,mesh" if self.kept else
-                       "mesh", "--json", *options(choices, position, self.weighted)]
+                       "mesh", "--json", "--source-faces", *arguments_of(binary),
+                       *options(choices, position, self.weighted)]
             with open(self.path("report"), "wb") as report, open(self.path("errors"), "wb") as errors:
-                self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=report, stderr=errors)
+                self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=report, stderr=errors,
+                                                env=environment(binary))
         except OSError as error:
             self.close()
             raise Failure(f"{binary} does not run ({error.strerror}); set the path of sherd in Edit > Preferences > "
@@ -83,22 +86,28 @@ class Job:
         return os.path.join(self.scratch, name)
 
     def export(self, context):
-        evaluated = self.thing.evaluated_get(context.evaluated_depsgraph_get())
+        thing = self.thing
+        evaluated = thing.evaluated_get(context.evaluated_depsgraph_get())
         mesh = evaluated.to_mesh()
         try:
             if mesh is None or not mesh.polygons:
-                raise Failure(f"{self.thing.name} has no faces to break")
-            stem = "".join(c if c.isalnum() or c in "-_." else "_" for c in self.thing.name)
+                raise Failure(f"{thing.name} has no faces to break")
+            stem = "".join(c if c.isalnum() or c in "-_." else "_" for c in thing.name)
             self.mesh = self.path(stem + ".ply")
             self.materials = [m and m.original for m in mesh.materials]
-            for i, slot in enumerate(self.thing.material_slots):
+            for i, slot in enumerate(thing.material_slots):
                 if slot.link == "OBJECT" and i < len(self.materials):
                     self.materials[i] = slot.material
-            density = density_of(self.thing, mesh, self.choices.weight_group)
-            self.weighted = density is not None
-            self.uv_name, self.color_name = write_ply(self.mesh, mesh, evaluated.matrix_world, density)
+            self.source = Source(thing, mesh, evaluated.matrix_world)
+            density = density_of(thing, mesh, self.choices.weight_group)
         finally:
             evaluated.to_mesh_clear()
+        self.weighted = density is not None
+        self.source.write_ply(self.mesh, density)
+        applied = [name for name, are in (("modifiers", any(m.show_viewport for m in thing.modifiers)),
+                                          ("shape keys", getattr(thing.data, "shape_keys", None))) if are]
+        if applied:
+            self.notes.append(f"the {' and '.join(applied)} of {thing.name} are applied to its pieces")
 
     def running(self):
         self.progress.read(self.path("errors"))
@@ -158,7 +167,8 @@ class Job:
             mark(fragment, splits, above)
             yield
         discard_previews(self.name)
-        home(context, self.thing).children.link(self.collection)
+        for each in homes(context, self.thing):
+            each.children.link(self.collection)
         nest(self.collection, self.fragments, splits, self.choices.levels)
         if self.choices.preview:
             self.collection["sherd_preview"] = self.name
@@ -196,10 +206,10 @@ class Job:
 
     def build(self, context, manifest):
         """Makes the fragments, in a collection of their own; a generator with a stop after each."""
-        thing, materials = self.thing, self.materials
+        thing = self.thing
         inside = bpy.data.materials.get(self.inside) if self.inside else None
         inside = inside or material("Sherd inside", INSIDE_COLOR)
-        materials = materials or [material("Sherd outside", (0.8, 0.8, 0.8))]
+        materials = self.materials or [material("Sherd outside", (0.8, 0.8, 0.8))]
         self.collection = bpy.data.collections.new(thing.name)
         digits = max(3, len(str(manifest["fragments"][-1]["id"])))
         for entry in manifest["fragments"]:
@@ -207,10 +217,12 @@ class Job:
                 continue  # withheld
             name = limited(thing.name, digits + 1) + f"_{entry['id']:0{digits}d}"
             origin = np.array(entry["centroid"], np.float32).astype(float)  # rounded as in Blender
-            mesh = read_mesh(os.path.join(self.out, entry["files"]["mesh"]), name, origin, materials, inside,
-                             self.uv_name, self.color_name)
+            piece = Piece(self.source, os.path.join(self.out, entry["files"]["mesh"]), origin, entry["surface"] == "exact")
+            mesh = piece.mesh(name, materials, inside)
             fragment = bpy.data.objects.new(name, mesh)
+            piece.add_groups(fragment)
             fragment.location = origin
+            self.take_place(fragment)
             fragment["sherd_fragment"] = entry["id"]
             fragment["sherd_volume"] = entry["volume"]
             fragment["sherd_share"] = entry["share"]
@@ -220,6 +232,19 @@ class Job:
             self.collection.objects.link(fragment)
             self.fragments.append(fragment)
             yield
+
+    def take_place(self, fragment):
+        """Gives a fragment, in world space, the object's parent and what it is displayed by."""
+        thing = self.thing
+        fragment.color, fragment.pass_index = thing.color, thing.pass_index
+        if thing.parent is None:
+            return
+        fragment.parent, fragment.parent_type, fragment.parent_bone = thing.parent, thing.parent_type, thing.parent_bone
+        if thing.parent_type in ("VERTEX", "VERTEX_3"):
+            fragment.parent_vertices = thing.parent_vertices
+        moved = (thing.parent.matrix_world if thing.parent_type == "OBJECT" else
+                 thing.matrix_world @ (thing.matrix_parent_inverse @ thing.matrix_basis).inverted_safe())
+        fragment.matrix_parent_inverse = moved.inverted_safe()
 
     def hide(self, context):
         """Hides the object and removes its rigid body."""
@@ -262,6 +287,8 @@ def options(choices, position, weighted):
     resolution = min(choices.resolution, PREVIEW) if choices.preview else choices.resolution
     words = ["--pieces", choices.pieces, "--resolution", resolution, "--seed", choices.seed,
              "--surface", choices.surface.lower()]
+    if choices.surface == "EXACT":
+        words += ["--adaptivity", ADAPTIVITY]
     if choices.material != "NONE":
         words += ["--material", choices.material.lower()]
     if choices.growth != "AUTO":

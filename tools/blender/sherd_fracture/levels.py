@@ -4,6 +4,9 @@
 import bpy
 import numpy as np
 
+from .arrays import read
+from .attributes import mark_faces
+
 
 class Splits:
     """The tree of splits of a manifest; of other growths a single level."""
@@ -32,25 +35,15 @@ class Splits:
 
 
 def mark(piece, splits, above):
-    """Properties of a piece, and the face attributes piece, inside and level.  `above`: the level of what was broken."""
+    """Properties of a piece, and the face attributes piece and level, which old cracks keep.  `above`: the level of what was
+    broken."""
     fragment, mesh = piece["sherd_fragment"], piece.data
     piece["sherd_level"] = above + splits.level(fragment)
     piece["sherd_parent"] = splits.of_fragment.get(fragment, 0)
-    neighbor = np.empty(len(mesh.polygons), np.int32)
-    mesh.attributes["neighbor"].data.foreach_get("value", neighbor)
+    neighbor, old = (read(mesh.attributes[name].data, "value", np.int32) for name in ("neighbor", "level"))
     others, which = np.unique(neighbor, return_inverse=True)
     levels = np.array([above + splits.crack(fragment, int(other)) if other else 0 for other in others], np.int32)
-    put(mesh, "piece", "INT", np.full(len(neighbor), fragment, np.int32))
-    put(mesh, "level", "INT", levels[which.ravel()])
-    if "inside" not in mesh.attributes:
-        put(mesh, "inside", "BOOLEAN", neighbor > 0)
-
-
-def put(mesh, name, kind, values):
-    found = mesh.attributes.get(name)
-    if found is not None:
-        mesh.attributes.remove(found)
-    mesh.attributes.new(name, kind, "FACE").data.foreach_set("value", values)
+    mark_faces(mesh, piece=fragment, level=np.where(neighbor > 0, levels[which.ravel()], old))
 
 
 def nest(collection, pieces, splits, shown):

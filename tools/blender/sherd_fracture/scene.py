@@ -4,15 +4,15 @@
 import bpy
 
 
-def home(context, thing):
-    """The collection of the view layer that holds an object."""
+def homes(context, thing):
+    """The collections of the view layer that hold an object."""
     def shown(layer):
         if not layer.exclude and not layer.collection.library:
             yield layer.collection
         for child in layer.children:
             yield from shown(child)
-    return next((c for c in shown(context.view_layer.layer_collection) if thing in c.objects[:]),
-                context.scene.collection)
+    found = dict.fromkeys(c for c in shown(context.view_layer.layer_collection) if thing in c.objects[:])
+    return list(found) or [context.scene.collection]
 
 
 def discard(collection):
