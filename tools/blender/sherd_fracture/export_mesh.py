@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from .arrays import read, unit
+from .arrays import read
 from .attributes import Attribute, attributes_of, groups_of
 
 DENSITY = "sherd_density"  # a property of vertices: pieces per volume, relative
@@ -77,7 +77,8 @@ class Source:
         self.groups = groups_of(thing, mesh)
 
     def read_normals(self, mesh, world):
-        """Normals of corners in world space; None where all faces are flat."""
+        """Normals of corners in the object's space, in which they are interpolated, and the matrix for rows that takes them to
+        the world's; None where all faces are flat."""
         if not self.smooth.any() and not mesh.has_custom_normals:
             return None
         if bpy.app.version < (4, 1, 0):
@@ -86,10 +87,9 @@ class Source:
         else:
             normals = read(mesh.corner_normals, "vector", np.float32, 3)
         try:
-            normals = normals.astype(float) @ np.linalg.inv(world)
+            return normals, np.linalg.inv(world)
         except np.linalg.LinAlgError:
             return None  # flattened
-        return unit(normals)
 
     def colors(self):
         """Bytes [vertices, 3] of the active colors, those of corners averaged; None without any."""

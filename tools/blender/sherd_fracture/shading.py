@@ -45,7 +45,7 @@ def shade(mesh, places, neighbor):
     if bpy.app.version < (4, 1, 0):
         mesh.use_auto_smooth, mesh.auto_smooth_angle = True, math.pi  # by sharp edges alone
     if source.normals is not None:
-        normals = places.corner_values(source.normals)
-        normals = unit(normals) * (places.near >= 0)[:, None]  # zero: as Blender computes it
+        normals, to_world = source.normals
+        normals = unit(places.corner_values(normals).astype(float) @ to_world) * (places.near >= 0)[:, None]  # zero: as Blender computes it
         mesh.normals_split_custom_set(normals.astype(np.float32))
     return source_edge
