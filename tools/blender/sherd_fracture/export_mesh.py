@@ -24,6 +24,7 @@ class Source:
         self.read_edges(mesh)
         self.read_attributes(thing, mesh)
         self.normals = self.read_normals(mesh, world[:3, :3])
+        self.nearest = None  # made where a smooth surface needs it
 
     def read_polygons(self, mesh):
         polygons = mesh.polygons
@@ -44,13 +45,14 @@ class Source:
     def read_edges(self, mesh):
         """Edges between two polygons, ordered by `edge_key`, which is made of the polygons' indices."""
         sharp, seam = read(mesh.edges, "use_edge_sharp", bool), read(mesh.edges, "use_seam", bool)
-        order = np.argsort(read(mesh.loops, "edge_index", np.int32), kind="stable")
-        edge = read(mesh.loops, "edge_index", np.int32)[order]
-        polygon = np.repeat(np.arange(len(self.loop_total)), self.loop_total)[order]
-        pair = np.flatnonzero(edge[1:] == edge[:-1])
-        key = self.key_of(polygon[pair], polygon[pair + 1])
+        edge = read(mesh.loops, "edge_index", np.int32)
+        loop = np.argsort(edge, kind="stable")
+        pair = np.flatnonzero(np.diff(edge[loop]) == 0)
+        self.edge_loops = np.column_stack([loop[pair], loop[pair + 1]])
+        polygon = np.repeat(np.arange(len(self.loop_total)), self.loop_total)[self.edge_loops]
+        key = self.key_of(*polygon.T)
         order = np.argsort(key, kind="stable")
-        self.edge_key, self.edge = key[order], edge[pair][order]
+        self.edge_key, self.edge = key[order], edge[self.edge_loops[order, 0]]
         self.sharp, self.seam = sharp, seam
 
     def key_of(self, one, other):

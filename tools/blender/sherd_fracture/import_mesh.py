@@ -6,6 +6,7 @@ import numpy as np
 
 from .arrays import read, write
 from .attributes import OWN, Attribute, add_attribute, add_groups, mark_faces
+from .nearest import Nearest
 from .places import Places
 from .shading import shade
 
@@ -53,16 +54,19 @@ def material(name, color):
 
 
 class Piece:
-    """A fragment's file; mesh() makes a mesh relative to `origin` of it.
-
-    exact   whether its outside consists of parts of the source's triangles, else it is near them
-    """
+    """A fragment's file; mesh() makes a mesh relative to `origin` of it."""
 
     def __init__(self, source, path, origin, exact):
-        self.source, self.origin, self.exact = source, origin, exact
+        """exact: whether its outside consists of parts of the source's triangles, else it is near them"""
+        self.source, self.origin = source, origin
         self.names, self.vertex, self.face = read_ply(path)
         self.at = np.column_stack([self.vertex[axis] for axis in "xyz"])
         self.places = Places(source, self.at, self.face["vertex_indices"], self.face[SOURCE_FACE])
+        if not exact:
+            if source.nearest is None:
+                source.nearest = Nearest(source)
+            triangle = np.repeat(self.face[SOURCE_FACE][self.places.face], self.places.total)
+            source.nearest.settle(self.places, self.at, triangle)
         self.neighbor = self.face["neighbor"].astype(np.int32)[self.places.face]
 
     def mesh(self, name, materials, inside):
@@ -126,17 +130,11 @@ class Piece:
         for layer in layers:
             made = mesh.uv_layers.new(name=layer.name, do_init=False)
             values = self.places.corner_values(layer.values)
-            if not self.exact and layer.name == self.source.uv_render and (self.places.total == 3).all():
-                values = self.transferred_uv()
             values[inside] = projected[inside]
             write(made.data, "uv", values, np.float32)
         for name, choose in ((self.source.uv_active, "active"), (self.source.uv_render, "active_render")):
             if name in mesh.uv_layers:
                 setattr(mesh.uv_layers[name], choose, True)
-
-    def transferred_uv(self):
-        """Texture coordinates by Sherd, which cuts smooth surfaces along seams; no polygon of those is joined."""
-        return self.face["texcoord"].reshape(-1, 3, 2)[self.places.face].reshape(-1, 2).astype(np.float32)
 
     def add_attributes(self, mesh, source_edge):
         places, source = self.places, self.source
