@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Install the Debian packages that are missing.
 #
-# usage: install_packages.sh build|test|ci|hosts|pictures|bench
+# usage: install_packages.sh build|test|ci|hosts|window|pictures|bench
 #   build  dependencies of the library and the program
 #   test   also dependencies of the tests
 #   ci     also sanitizers, oclgrind, valgrind and the formatter
 #   hosts  programs that read Sherd's files: Blender, OpenImageIO
+#   window  Blender on a virtual screen
 #   pictures  dependencies of the images of the documents
 #   bench  what Sherd is measured by, and programs that it is compared with
 set -euo pipefail
@@ -16,6 +17,7 @@ build=(cmake ninja-build g++ libopenvdb-dev libtbb-dev libboost-iostreams-dev li
 test=(libgtest-dev libbenchmark-dev python3 python3-dev python3-venv python3-numpy python3-scipy python3-openvdb python3-jsonschema python3-h5py python3-torch
   ocl-icd-libopencl1 pocl-opencl-icd mesa-opencl-icd)
 hosts=(blender python3-openimageio)
+window=(blender xvfb xdotool imagemagick libgl1-mesa-dri)
 pictures=(python3-numpy python3-pil python3-matplotlib blender)
 bench=(valgrind blender python3-openvdb python3-skimage)
 ci=(clang-format doxygen universal-ctags libclang-rt-14-dev oclgrind valgrind ccache)
@@ -25,9 +27,10 @@ case "${1:-}" in
   test) wanted=("${build[@]}" "${test[@]}") ;;
   ci) wanted=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
   hosts) wanted=("${hosts[@]}") ;;
+  window) wanted=("${window[@]}") ;;
   pictures) wanted=("${build[@]}" "${pictures[@]}") ;;
   bench) wanted=("${bench[@]}") ;;
-  *) echo "usage: install_packages.sh build|test|ci|hosts|pictures|bench" >&2; exit 2 ;;
+  *) echo "usage: install_packages.sh build|test|ci|hosts|window|pictures|bench" >&2; exit 2 ;;
 esac
 
 missing=()

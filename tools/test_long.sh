@@ -72,6 +72,10 @@ echo "== a dataset's report in a browser"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium > /dev/null
 tests/long/report.py build/release/sherd
 
+echo "== the Blender add-on in a window"
+tools/install_packages.sh window
+tests/long/blender_window.py build/release/sherd
+
 echo "== what measures: Sherd beside other programs, instructions, and devices from an archive"
 tools/bench_peers.sh
 tools/bench_counts.sh --repeats 2 build/release/sherd

@@ -17,7 +17,7 @@ from .failure import Failure
 from .glue import glue, move
 from .import_mesh import INSIDE_COLOR, Piece, material
 from .levels import Splits, mark, nest
-from .physics import leave_world, make_body, world_of
+from .physics import leave_world, make_body, remove_world, world_of
 from .program import arguments_of, environment, preference, program
 from .progress import Progress
 from .scene import discard, discard_previews, homes, limited
@@ -275,8 +275,8 @@ class Job:
             thing = bpy.data.objects.get(self.name)
             if self.shown and thing:
                 thing.hide_set(True)
-            if self.lonely and bpy.context.scene.rigidbody_world:
-                bpy.ops.rigidbody.world_remove()
+            if self.lonely:
+                remove_world(bpy.context)
         except (ReferenceError, RuntimeError):
             pass  # an undo step has already removed it
 

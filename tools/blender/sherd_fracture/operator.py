@@ -19,6 +19,7 @@ class Breaking:
     """The operator's events.  `self` has the options."""
 
     batch = timer = said = None
+    opened = False
     names, left = (), ()
 
     def prepare(self, context, position=None, struck=None):
@@ -54,6 +55,7 @@ class Breaking:
         return self.open(context)
 
     def open(self, context):
+        self.opened = True
         try:
             self.names, self.left = targets(context)
             program(context)
@@ -142,7 +144,7 @@ class Breaking:
             context.window_manager.event_timer_remove(self.timer)
             context.window_manager.progress_end()
             self.timer = None
-        if context.window and not bpy.app.background:
+        if self.opened:
             context.window.cursor_modal_restore()
             context.workspace.status_text_set(None)
 

@@ -22,6 +22,16 @@ def world_of(context):
     return world
 
 
+def remove_world(context):
+    """Removes the world with its collections."""
+    world = context.scene.rigidbody_world
+    if world:
+        collections = [each for each in (world.collection, world.constraints) if each]
+        bpy.ops.rigidbody.world_remove()
+        for each in collections:
+            bpy.data.collections.remove(each)
+
+
 def make_body(world, piece, choices):
     """Makes a piece an active rigid body."""
     world.collection.objects.link(piece)
