@@ -82,7 +82,10 @@ answer(glued=glued, meshes=meshes, loose=loose, strong=strong, weak=weak)
         reported = self.run_addon('''
 fresh()
 pieces = broken(strength=500.0, shape="MESH", density=300.0)
-answer(pieces=[look(p) for p in pieces], joints=joints())
+first = joints()
+only(pieces[0])
+bpy.ops.object.sherd_glue(strength=7.0)
+answer(pieces=[look(p) for p in pieces], joints=first, again=joints(), chosen=pieces[0].name)
 ''')
         area, moment = {}, {}
         for f in reported["pieces"]:
@@ -104,6 +107,10 @@ answer(pieces=[look(p) for p in pieces], joints=joints())
             self.assertEqual((joint["type"], joint["breaks"], joint["collide"]), ("FIXED", True, False))
             self.assertAlmostEqual(joint["threshold"] / (500 * shared), 1, delta=1e-3)
             np.testing.assert_allclose(joint["place"], moment[one, other], atol=1e-3)
+        for joint in reported["again"]:  # set anew for one piece
+            strength = joint["threshold"] / joint["area"]
+            self.assertAlmostEqual(strength, 7 if reported["chosen"] in joint["ends"] else 500, places=3)
+        for joint in joints.values():
             self.assertTrue(any(name.endswith(" glue") for name in joint["collections"]))
 
     def test_a_world_that_is_there_keeps_its_settings(self):

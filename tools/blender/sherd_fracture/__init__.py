@@ -14,7 +14,7 @@
 """Sherd Fracture: see docs/blender.md."""
 import bpy
 
-from .operator import OBJECT_OT_sherd_fracture
+from .operator import OBJECT_OT_sherd_fracture, OBJECT_OT_sherd_glue
 from .panel import VIEW3D_PT_sherd, menu
 from .program import SherdPreferences
 from .settings import SherdSettings
@@ -29,7 +29,7 @@ bl_info = {
     "category": "Object",
 }
 
-CLASSES = (SherdSettings, SherdPreferences, OBJECT_OT_sherd_fracture, VIEW3D_PT_sherd)
+CLASSES = (SherdSettings, SherdPreferences, OBJECT_OT_sherd_fracture, OBJECT_OT_sherd_glue, VIEW3D_PT_sherd)
 
 
 def register():

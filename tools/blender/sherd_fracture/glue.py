@@ -32,7 +32,7 @@ def join(world, collection, one, other, area, place, strength):
 
 
 def glue(world, above, pieces, manifest, strength):
-    """Joins all pieces that touch, in a hidden collection of their own; a generator with a stop after each."""
+    """Joins all pieces that touch, in a collection of their own; a generator with a stop after each."""
     collection = bpy.data.collections.new(f"{above.name[:55]} glue")
     collection["sherd_glue"] = True
     above.children.link(collection)
@@ -41,6 +41,17 @@ def glue(world, above, pieces, manifest, strength):
         if one in of and other in of:
             join(world, collection, of[one], of[other], area, place, strength)
             yield
+
+
+def set_strength(context, strength):
+    """Sets the strength of the glue of the selected pieces.  Returns the number of constraints."""
+    chosen, changed = set(context.selected_objects), 0
+    for empty in joints(context.scene.rigidbody_world):
+        constraint = empty.rigid_body_constraint
+        if chosen & {empty, constraint.object1, constraint.object2}:
+            constraint.breaking_threshold = strength * empty["sherd_area"]
+            changed += 1
+    return changed
 
 
 def joints(world):

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The operator that breaks the selected objects."""
 import bpy
-from bpy.props import BoolProperty, FloatVectorProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty
 
 from .batch import Batch
 from .failure import Failure
+from .glue import set_strength
 from .program import program
 from .settings import Choices
 from .targets import first_under, targets
@@ -162,3 +163,22 @@ class OBJECT_OT_sherd_fracture(Breaking, bpy.types.Operator, Choices):
     preview: BoolProperty(name="Preview", default=False, options={"SKIP_SAVE"},
                           description="Break at a low resolution, without rigid bodies; the next run replaces it")
     impact_point: FloatVectorProperty(name="Impact Point", subtype="XYZ", options={"HIDDEN", "SKIP_SAVE"})
+
+
+class OBJECT_OT_sherd_glue(bpy.types.Operator):
+    """Set the strength of the glue of the selected pieces"""
+
+    bl_idname = "object.sherd_glue"
+    bl_label = "Set Glue Strength"
+    bl_options = {"REGISTER", "UNDO"}
+
+    strength: FloatProperty(name="Strength", default=10000.0, min=0.0, soft_max=1000000.0,
+                            description="Impulse over the area of contact, N s per square meter, in a step of the solver")
+
+    def execute(self, context):
+        changed = set_strength(context, self.strength)
+        if not changed:
+            self.report({"ERROR"}, "no glued piece is selected")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"strength of {changed} constraints is set")
+        return {"FINISHED"}

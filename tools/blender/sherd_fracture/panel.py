@@ -49,7 +49,9 @@ class VIEW3D_PT_sherd(bpy.types.Panel):
             for name in ("shape", "density", "asleep", "glue"):
                 column.prop(chosen, name)
             if chosen.glue:
-                column.prop(chosen, "strength")
+                row = column.row(align=True)
+                row.prop(chosen, "strength")
+                row.operator("object.sherd_glue", text="", icon="CHECKMARK").strength = chosen.strength
         column.prop(chosen, "original")
         column.prop(chosen, "folder")
 
