@@ -237,13 +237,15 @@ for growth in ("AUTO", "SEQUENTIAL"):
     cube.hide_set(False)
     only(cube)
     run(pieces=8, resolution=96, seed=3, growth=growth, preview=True)
+    previewed = [o.name for o in bpy.context.selected_objects]
     preview = volumes(), cube.hide_get(), bpy.context.scene.rigidbody_world is not None
     run(pieces=8, resolution=96, seed=4, growth=growth, preview=True)  # its pieces are selected, and so it is replaced
     count = len([o for o in bpy.data.objects if "sherd_fragment" in o])
+    several(bpy.context.selected_objects[0])
     run(pieces=8, resolution=96, seed=3, growth=growth, rigid_body=False)
     final = volumes()
     names = sorted(o.name for o in bpy.data.objects if "sherd_fragment" in o)
-    found[growth] = dict(preview=preview, count=count, final=final, names=names)
+    found[growth] = dict(preview=preview, count=count, final=final, names=names, previewed=previewed)
     sherd_fracture.scene.discard(bpy.context.selected_objects[0].users_collection[0])
 answer(**found)
 ''')
@@ -252,6 +254,7 @@ answer(**found)
                 preview, hidden, world = found["preview"]
                 self.assertEqual((hidden, world, found["count"]), (True, False, 8))
                 self.assertEqual(found["names"], [f"Cube_00{i}" for i in range(1, 9)])
+                self.assertEqual(found["previewed"], [f"Cube_00{i} preview" for i in range(1, 9)])
                 self.assertEqual(set(preview), set(found["final"]))
                 for number, volume in found["final"].items():
                     self.assertLess(abs(volume - preview[number]), 0.01 * 8)

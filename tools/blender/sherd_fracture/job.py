@@ -171,7 +171,7 @@ class Job:
             each.children.link(self.collection)
         nest(self.collection, self.fragments, splits, self.choices.levels)
         if self.choices.preview:
-            self.collection["sherd_preview"] = self.name
+            self.name_preview()
         elif self.choices.rigid_body:
             yield from self.simulate(context, manifest)
         if self.choices.original == "HIDE":
@@ -179,6 +179,13 @@ class Job:
                 self.move_glue(context, manifest)
             self.hide(context)
         self.complete = True
+
+    def name_preview(self):
+        """Marks a preview, and leaves the fragments' names to the final."""
+        self.collection["sherd_preview"] = self.name
+        self.collection.name = limited(self.name, 8) + " preview"
+        for fragment in self.fragments:
+            fragment.name = limited(fragment.name, 8) + " preview"
 
     def simulate(self, context, manifest):
         """Makes the fragments bodies, and glues them."""
