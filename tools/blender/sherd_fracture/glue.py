@@ -6,6 +6,8 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from .hulls import corners_of, overlap
+
 
 def contacts_of(manifest):
     """Pairs of ids, the lower first, with the area and the center of their contact."""
@@ -32,15 +34,35 @@ def join(world, collection, one, other, area, place, strength):
 
 
 def glue(world, above, pieces, manifest, strength):
-    """Joins all pieces that touch, in a collection of their own; a generator with a stop after each."""
+    """Joins all pieces that touch, in a collection of their own; a generator with a stop after each.  Pieces whose hulls
+    overlap would push each other although they do not touch: they are joined as weakly as the weaker of them is anywhere.
+    """
     collection = bpy.data.collections.new(f"{above.name[:55]} glue")
     collection["sherd_glue"] = True
     above.children.link(collection)
     of = {piece["sherd_fragment"]: piece for piece in pieces}
+    joined, least = set(), {}
     for one, other, area, place in contacts_of(manifest):
         if one in of and other in of:
             join(world, collection, of[one], of[other], area, place, strength)
+            joined.add((one, other))
+            for each in (one, other):
+                least[each] = min(area, least.get(each, area))
             yield
+    if pieces[0].rigid_body.collision_shape != "CONVEX_HULL":
+        return
+    at = {number: corners_of(piece) for number, piece in of.items() if number in least}
+    for one in sorted(at):
+        for other in sorted(at):
+            if one < other and (one, other) not in joined and overlap(at[one], at[other]):
+                hold_apart(world, collection, of[one], of[other], min(least[one], least[other]), strength)
+        yield
+
+
+def hold_apart(world, collection, one, other, area, strength):
+    """Joins pieces that do not touch, whose hulls overlap."""
+    place = (one.matrix_world.translation + other.matrix_world.translation) / 2
+    join(world, collection, one, other, area, place, strength)["sherd_apart"] = True
 
 
 def set_strength(context, strength):
@@ -117,22 +139,33 @@ def touching(piece, other, reach, depsgraph):
 
 def move(context, old, pieces, reach):
     """Moves the constraints of a piece that was broken again to those of its pieces that touch the other side.  Returns
-    how many were replaced, and how many were removed, because no piece touches."""
-    world, depsgraph = context.scene.rigidbody_world, context.evaluated_depsgraph_get()
+    how many contacts were replaced, and how many were removed, because no piece touches."""
     moved = lost = 0
-    for empty in joints(world):
+    for empty in joints(context.scene.rigidbody_world):
         constraint = empty.rigid_body_constraint
         if old not in (constraint.object1, constraint.object2):
             continue
         other = constraint.object2 if constraint.object1 == old else constraint.object1
-        strength = constraint.breaking_threshold / max(empty["sherd_area"], 1e-30)
-        collection = next((c for c in empty.users_collection if c.get("sherd_glue")), context.scene.collection)
-        found = 0
-        for piece in pieces if other else ():
-            area, place = touching(piece, other, reach, depsgraph)
-            if area > 1e-3 * empty["sherd_area"]:
-                join(world, collection, piece, other, area, place, strength)
-                found += 1
-        moved, lost = moved + bool(found), lost + (not found)
+        found = replace(context, empty, other, pieces, reach) if other else 0
+        if "sherd_apart" not in empty:
+            moved, lost = moved + bool(found), lost + (not found)
         remove(empty)
     return moved, lost
+
+
+def replace(context, empty, other, pieces, reach):
+    """Joins pieces to the other side of a constraint.  Returns how many of them touch it."""
+    world, depsgraph = context.scene.rigidbody_world, context.evaluated_depsgraph_get()
+    area = empty["sherd_area"]
+    strength = empty.rigid_body_constraint.breaking_threshold / max(area, 1e-30)
+    collection = next((c for c in empty.users_collection if c.get("sherd_glue")), context.scene.collection)
+    touch = {}
+    for piece in pieces:
+        shared, place = touching(piece, other, reach, depsgraph)
+        if shared > 1e-3 * area:
+            touch[piece] = join(world, collection, piece, other, shared, place, strength)
+    least = min([joint["sherd_area"] for joint in touch.values()], default=area)
+    for piece in pieces:
+        if piece not in touch and piece.rigid_body.collision_shape == "CONVEX_HULL" and overlap(corners_of(piece), corners_of(other)):
+            hold_apart(world, collection, piece, other, least, strength)
+    return len(touch)

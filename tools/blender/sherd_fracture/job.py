@@ -194,6 +194,7 @@ class Job:
         if world is None:
             self.notes.append("this scene may not have rigid bodies; the fragments are plain objects")
             return
+        context.view_layer.update()
         for fragment in self.fragments:
             make_body(world, fragment, self.choices)
             yield
