@@ -78,6 +78,28 @@ answer(glued=glued, meshes=meshes, loose=loose, strong=strong, weak=weak)
         for parted in ("loose", "weak"):
             self.assertGreater(reported[parted], 0.1, reported)
 
+    def test_hulls_that_overlap_do_not_push(self):
+        """A monkey's pieces reach around one another.  Without the constraints between those that do not touch it bursts."""
+        reported = self.run_addon('''
+def monkey():
+    fresh()
+    bpy.ops.object.delete()
+    bpy.ops.mesh.primitive_monkey_add()
+    return broken(pieces=40, resolution=48, seed=5, material="STONE", strength=300)
+held = change(monkey(), 12)
+pieces = monkey()
+apart = [o for o in bpy.context.scene.objects if "sherd_apart" in o]
+ends = [[o.rigid_body_constraint.object1.name, o.rigid_body_constraint.object2.name] for o in apart]
+names = {p["sherd_fragment"]: p.name for p in pieces}
+touch = [[p.name, names[n]] for p in pieces for n in {f.value for f in p.data.attributes["neighbor"].data} if n]
+for o in apart:
+    bpy.data.objects.remove(o)
+answer(held=held, burst=change(pieces, 12), ends=ends, touch=touch)
+''')
+        self.assertLess(reported["held"], 0.01)
+        self.assertGreater(reported["burst"], 0.03)
+        self.assertFalse({frozenset(pair) for pair in reported["ends"]} & {frozenset(pair) for pair in reported["touch"]})
+
     def test_glue_is_as_strong_as_contacts_are_large(self):
         reported = self.run_addon('''
 fresh()
