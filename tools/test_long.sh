@@ -75,6 +75,10 @@ tests/long/report.py build/release/sherd
 echo "== the Blender add-on in a window"
 tools/install_packages.sh window
 tests/long/blender_window.py build/release/sherd
+folder=$(mktemp -d)
+blender -b --factory-startup --python-exit-code 1 --python tests/long/blender_tutorial.py -- build/release/sherd "$folder" 4 > "$folder/log" ||
+  { tail "$folder/log"; exit 1; }
+rm -r "$folder"
 
 echo "== what measures: Sherd beside other programs, instructions, and devices from an archive"
 tools/bench_peers.sh

@@ -126,6 +126,40 @@ answer(begun=list(begun), passed=passed, end=end, slowest=slowest, reports=made.
         self.assertEqual((reported["timers"], reported["cursors"]), ([], []))
         self.assertLess(reported["slowest"], 2)  # 80 fragments take longer; a busy machine is slow
 
+    def test_a_click_strikes_the_object_under_the_mouse(self):
+        """A view from above, 200 by 100 pixels for 8 by 4 units about 0, of two cubes side by side."""
+        reported = self.run_addon('''
+import mathutils
+lens = mathutils.Matrix(((1 / 4, 0, 0, 0), (0, 1 / 2, 0, 0), (0, 0, -1 / 50, 0), (0, 0, 0, 1)))
+view = mathutils.Matrix.Translation((0, 0, -10))
+seen = types.SimpleNamespace(is_perspective=False, view_matrix=view, window_matrix=lens, view_perspective="ORTHO",
+                             perspective_matrix=lens @ view)
+region = types.SimpleNamespace(type="WINDOW", x=0, y=0, width=200, height=100, data=seen)
+cube.location.x = -2
+bpy.ops.mesh.primitive_cube_add(location=(2, 0, 0))
+other = bpy.context.active_object
+several(cube, other)
+bpy.context.view_layer.update()
+made = Operator(pieces=12, resolution=32, impact="MOUSE", impact_pieces=8, impact_spread=0.1, original="KEEP", rigid_body=False)
+made.seen.area = types.SimpleNamespace(type="VIEW_3D", regions=[region])
+made.open(made.seen)
+def click(x, y):
+    event = types.SimpleNamespace(type="LEFTMOUSE", value="PRESS", mouse_x=x, mouse_y=y)
+    return sorted(made.modal(made.seen, event))
+turned = made.event("MIDDLEMOUSE")
+missed = click(100, 50), made.reports[-1]
+hit = click(172, 70)  # 2.88, 0.8
+end = made.until()
+answer(turned=turned, missed=missed, hit=hit, end=end, other=[p.location for p in bpy.context.selected_objects if p.location.x > 0],
+       cube=[p.location for p in bpy.context.selected_objects if p.location.x < 0])
+''')
+        self.assertEqual((reported["turned"], reported["hit"], reported["end"]), (["PASS_THROUGH"], ["RUNNING_MODAL"], ["FINISHED"]))
+        self.assertEqual(reported["missed"], [["RUNNING_MODAL"], ["WARNING", "the click missed the object"]])
+        near = [sum(np.linalg.norm(np.subtract(reported[name], corner), axis=1) < 0.8)
+                for name, corner in (("other", (2.88, 0.8, 1)), ("cube", (-1.12, 0.8, 1)))]
+        self.assertEqual([len(reported[name]) for name in ("other", "cube")], [12, 12])
+        self.assertGreaterEqual(near[0], near[1] + 3, near)
+
     def test_esc_at_any_time_leaves_nothing(self):
         slow = self.fake("slow", f"echo $$ > {self.tmp}/pid; exec sleep 60")
         reported = self.run_addon('''
