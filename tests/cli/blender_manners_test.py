@@ -126,6 +126,18 @@ answer(begun=list(begun), passed=passed, end=end, slowest=slowest, reports=made.
         self.assertEqual((reported["timers"], reported["cursors"]), ([], []))
         self.assertLess(reported["slowest"], 2)  # 80 fragments take longer; a busy machine is slow
 
+    def test_the_status_bar_has_the_stages_of_sherd(self):
+        reported = self.run_addon('''
+made = Operator(pieces=3, resolution=160, roughness=1.0)
+made.open(made.seen)
+made.until()
+answer(texts=made.seen.texts, progress=made.seen.progress)
+''')
+        stages = {text.split(": ")[1].split(",")[0] for text in reported["texts"][:-1] if "fragments" not in text}
+        self.assertGreaterEqual(len(stages & {"read", "voxelize", "grow", "cut", "extract", "write"}), 2, stages)
+        self.assertEqual(reported["progress"], sorted(reported["progress"]))
+        self.assertGreater(len({share for share in reported["progress"] if share < 80}), 2)
+
     def test_a_click_strikes_the_object_under_the_mouse(self):
         """A view from above, 200 by 100 pixels for 8 by 4 units about 0, of two cubes side by side."""
         reported = self.run_addon('''

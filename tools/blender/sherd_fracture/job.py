@@ -40,14 +40,15 @@ class Job:
         self.deadline = time.monotonic() + preference(context, "timeout", 600)
         binary = program(context)
         self.scratch = tempfile.mkdtemp(prefix="sherd-")
-        self.shown = self.show(context)
+        self.shown = False
         try:
+            self.shown = self.show(context)
             self.kept = bool(folder)
             self.out = bpy.path.abspath(folder) if self.kept else os.path.join(self.scratch, "out")
             self.inside = choices.inside_material
             self.export(context)
             command = [binary, "fracture", self.mesh, "-o", self.out, "--write", "labels,vdb,mesh" if self.kept else
-                       "mesh", "--json", "--source-faces", *arguments_of(binary),
+                       "mesh", "--json", "--progress", "--source-faces", *arguments_of(binary),
                        *options(choices, position, self.weighted)]
             with open(self.path("report"), "wb") as report, open(self.path("errors"), "wb") as errors:
                 self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=report, stderr=errors,

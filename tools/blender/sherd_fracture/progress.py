@@ -23,7 +23,7 @@ class Progress:
         for line in lines:
             found = parsed(line)
             if found:
-                self.stage, self.overall = found
+                self.stage, self.overall = found[0], max(self.overall, found[1])
 
 
 def parsed(line):
