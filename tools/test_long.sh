@@ -72,6 +72,9 @@ echo "== a dataset's report in a browser"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium > /dev/null
 tests/long/report.py build/release/sherd
 
+echo "== later Blenders, and the extension where there is neither Sherd nor OpenCL"
+tests/long/blender_versions.sh build/release/sherd
+
 echo "== the Blender add-on in a window"
 tools/install_packages.sh window
 tests/long/blender_window.py build/release/sherd

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# The tests of the Blender add-on and script with later Blenders, as modules of Python 3.11, and the extension in an empty Debian.
+#
+# usage: blender_versions.sh PROGRAM [VERSION...]    (default: 4.2.23 4.5.15 5.0.1; needs root and debootstrap)
+#
+# SHERD_BPY_WHEELS names a folder of wheels of bpy, which are else downloaded.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+export SHERD_BIN
+SHERD_BIN=$(realpath "$1")
+shift
+[ $# -gt 0 ] || set -- 4.2.23 4.5.15 5.0.1
+venvs=()
+for version in "$@"; do
+  venv=build/bpy/$version
+  if [ ! -e "$venv/done" ]; then
+    rm -rf "$venv"
+    python3.11 -m venv "$venv"
+    "$venv/bin/pip" install -q --disable-pip-version-check ${SHERD_BPY_WHEELS:+--find-links "$SHERD_BPY_WHEELS"} "bpy==$version"
+    touch "$venv/done"
+  fi
+  for tests in blender blender_pieces blender_physics; do
+    echo "Blender $version: $tests"
+    BLENDER_BIN=$PWD/$venv/bin/python OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B "tests/cli/${tests}_test.py"
+  done
+  venvs+=("$venv")
+done
+tools/build_extension.sh build/extension/out
+tests/long/blender_extension.sh build/extension/out/sherd_fracture-*.zip "${venvs[@]}"
