@@ -15,7 +15,7 @@ new_chroot
 trap 'umount "$root/opt/blender" 2> /dev/null || true; leave_chroot "$root"; rm -rf --one-file-system "$work"' EXIT
 cp "$zip" "$root/extension.zip"
 cp tests/long/break_cube_by_extension.py "$root/break_cube.py"
-in_chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --no-install-recommends python3-minimal libpython3.11-stdlib libgl1 libsm6 \
+in_chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --no-install-recommends python3-minimal libpython3.11-stdlib libgl1 libgomp1 libsm6 \
   libxi6 libxfixes3 libxrender1 libxkbcommon0' > "$root.apt" 2>&1 || { tail "$root.apt" >&2; exit 1; }
 if in_chroot "$root" sh -c 'ldconfig -p | grep -iE "opencl|openvdb|sherd"; command -v sherd'; then
   echo "blender_extension.sh: there is Sherd or what it needs" >&2
