@@ -3,10 +3,10 @@
 """Breakable constraints between pieces that touch: an empty each, which holds an impulse of strength times area."""
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
-from .hulls import corners_of, overlap
+from .hulls import corners_of, overlap, overlapping
 
 
 def contacts_of(manifest):
@@ -51,17 +51,16 @@ def glue(world, above, pieces, manifest, strength):
             yield
     if pieces[0].rigid_body.collision_shape != "CONVEX_HULL":
         return
-    at = {number: corners_of(piece) for number, piece in of.items() if number in least}
-    for one in sorted(at):
-        for other in sorted(at):
-            if one < other and (one, other) not in joined and overlap(at[one], at[other]):
-                hold_apart(world, collection, of[one], of[other], min(least[one], least[other]), strength)
+    at = {number: corners_of(piece, Matrix.Translation(piece.location)) for number, piece in of.items() if number in least}
+    for one, other in overlapping(at, joined):
+        if other:
+            place = (of[one].location + of[other].location) / 2
+            hold_apart(world, collection, of[one], of[other], min(least[one], least[other]), place, strength)
         yield
 
 
-def hold_apart(world, collection, one, other, area, strength):
+def hold_apart(world, collection, one, other, area, place, strength):
     """Joins pieces that do not touch, whose hulls overlap."""
-    place = (one.matrix_world.translation + other.matrix_world.translation) / 2
     join(world, collection, one, other, area, place, strength)["sherd_apart"] = True
 
 
@@ -84,10 +83,9 @@ def joints(world):
 
 def prune(context):
     """Removes constraints whose pieces were deleted, and collections that are empty after it."""
-    world = context.scene.rigidbody_world
-    for empty in joints(world):
-        ends = empty.rigid_body_constraint.object1, empty.rigid_body_constraint.object2
-        if any(end is None or not end.users_scene for end in ends):
+    there = set(context.scene.objects)
+    for empty in joints(context.scene.rigidbody_world):
+        if not {empty.rigid_body_constraint.object1, empty.rigid_body_constraint.object2} <= there:
             remove(empty)
 
 
@@ -141,14 +139,16 @@ def move(context, old, pieces, reach):
     """Moves the constraints of a piece that was broken again to those of its pieces that touch the other side.  Returns
     how many contacts were replaced, and how many were removed, because no piece touches."""
     moved = lost = 0
-    for empty in joints(context.scene.rigidbody_world):
+    found = [empty for empty in joints(context.scene.rigidbody_world)
+             if old in (empty.rigid_body_constraint.object1, empty.rigid_body_constraint.object2)]
+    if found:
+        context.view_layer.update()  # places the pieces
+    for empty in found:
         constraint = empty.rigid_body_constraint
-        if old not in (constraint.object1, constraint.object2):
-            continue
         other = constraint.object2 if constraint.object1 == old else constraint.object1
-        found = replace(context, empty, other, pieces, reach) if other else 0
+        touch = replace(context, empty, other, pieces, reach) if other else 0
         if "sherd_apart" not in empty:
-            moved, lost = moved + bool(found), lost + (not found)
+            moved, lost = moved + bool(touch), lost + (not touch)
         remove(empty)
     return moved, lost
 
@@ -166,6 +166,8 @@ def replace(context, empty, other, pieces, reach):
             touch[piece] = join(world, collection, piece, other, shared, place, strength)
     least = min([joint["sherd_area"] for joint in touch.values()], default=area)
     for piece in pieces:
-        if piece not in touch and piece.rigid_body.collision_shape == "CONVEX_HULL" and overlap(corners_of(piece), corners_of(other)):
-            hold_apart(world, collection, piece, other, least, strength)
+        if (piece not in touch and piece.rigid_body.collision_shape == "CONVEX_HULL" and
+                overlap(corners_of(piece, piece.matrix_world), corners_of(other, other.matrix_world))):
+            place = (piece.matrix_world.translation + other.matrix_world.translation) / 2
+            hold_apart(world, collection, piece, other, least, place, strength)
     return len(touch)

@@ -7,11 +7,12 @@ STEPS = 100
 TOUCH = 2e-3  # of the smaller one's extent: hulls that overlap by less are no obstacle
 
 
-def corners_of(piece):
-    """Vertices in world space."""
+def corners_of(piece, matrix):
+    """Vertices in world space, of a piece that lies by `matrix`: its own, or for one that Blender has not placed yet its
+    location's."""
     at = np.empty((len(piece.data.vertices), 3), np.float32)
     piece.data.vertices.foreach_get("co", at.ravel())
-    matrix = np.array(piece.matrix_world, float)
+    matrix = np.array(matrix, float)
     return at @ matrix[:3, :3].T + matrix[:3, 3]
 
 
@@ -34,3 +35,17 @@ def overlap(one, other):
         step = corner - nearest
         nearest = nearest + min(max(-(nearest @ step) / (step @ step), 0), 1) * step
     return True
+
+
+def overlapping(corners, left_out):
+    """Pairs of numbers whose hulls overlap, the lower first, but those left out; a generator that gives (number, None) after
+    each number, so that its user may stop."""
+    numbers = sorted(corners)
+    low = np.array([corners[each].min(axis=0) for each in numbers]).reshape(-1, 3)
+    high = np.array([corners[each].max(axis=0) for each in numbers]).reshape(-1, 3)
+    for i, one in enumerate(numbers):
+        near = i + 1 + np.flatnonzero((low[i + 1:] < high[i]).all(axis=1) & (high[i + 1:] > low[i]).all(axis=1))
+        for other in (numbers[j] for j in near):
+            if (one, other) not in left_out and overlap(corners[one], corners[other]):
+                yield one, other
+        yield one, None

@@ -195,7 +195,6 @@ class Job:
         if world is None:
             self.notes.append("this scene may not have rigid bodies; the fragments are plain objects")
             return
-        context.view_layer.update()
         for fragment in self.fragments:
             make_body(world, fragment, self.choices)
             yield
@@ -204,7 +203,6 @@ class Job:
 
     def move_glue(self, context, manifest):
         """Gives the glue of an object that is a piece itself to its fragments."""
-        context.view_layer.update()
         bodies = [each for each in self.fragments if each.rigid_body]
         moved, lost = move(context, self.thing, bodies, manifest["grid"]["voxel_size"] / 2)
         if moved:

@@ -37,7 +37,6 @@ def discard_previews(name):
 
 def select(context, names):
     """Selects objects and nothing else; the first one is active."""
-    context.view_layer.update()
     for thing in context.view_layer.objects:
         if thing and thing.select_get():  # Blender 5.0 has None in place of what was removed
             thing.select_set(False)
