@@ -4,13 +4,9 @@
 Environment: as blender_test.py.  The oracle is the object itself: its attributes are known functions of the place that are
 linear in each of its triangles, so that every cut has to keep them.
 """
-import importlib.util
-import json
 import os
-import pathlib
 import re
 import tomllib
-import unittest
 
 import numpy as np
 

@@ -12,7 +12,7 @@ KINDS = {"FLOAT": ("value", 1, np.float32), "INT": ("value", 1, np.int32), "BOOL
          "FLOAT_COLOR": ("color", 4, np.float32), "BYTE_COLOR": ("color", 4, np.float32), "INT8": ("value", 1, np.int32),
          "INT16_2D": ("value", 2, np.int32), "INT32_2D": ("value", 2, np.int32), "QUATERNION": ("value", 4, np.float32),
          "FLOAT4X4": ("value", 16, np.float32)}
-# What Blender makes of the mesh or what is written by other means.  "UVMap" and its like are read as uv_layers.
+# What Blender makes of the mesh, or what is written by other means.
 BUILT_IN = {"position", "material_index", "sharp_face", "sharp_edge", "uv_seam", "custom_normal"}
 OWN = ("neighbor", "inside", "piece", "level")  # of the add-on
 
@@ -23,10 +23,6 @@ class Attribute:
     type: str
     domain: str
     values: np.ndarray
-
-    @property
-    def is_continuous(self):
-        return self.values.dtype == np.float32
 
 
 def attributes_of(mesh):
