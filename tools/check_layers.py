@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "docs" / "images" / "rooms.svg"
 
 ROOMS = ["base", "cl", "mesh", "exact", "voxelize", "seed", "grow", "erode", "surface", "points", "appearance", "pipeline", "evaluate",
-         "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "formats/images", "options", "folder", "dataset",
+         "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "formats/images", "options", "viewer", "folder", "dataset",
          "assimp_program", "cli",
          "cgal"]  # implements an interface of cli/: docs/decisions/0005-licenses.md
 

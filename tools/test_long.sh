@@ -33,7 +33,7 @@ folder=$(mktemp -d)
 OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \
   --suppressions=tools/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
   --threads 1 --mesh-format ply,obj,glb,stl --points 10 --sdf-samples 10 --correspondences 5 \
-  --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,graph,proxy --voxel-format rle,npy,npz,vox,qstack,bing
+  --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,graph,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
 
 echo "== fuzzing the readers, each for five minutes"
@@ -69,7 +69,7 @@ echo "== a dataset run on Slurm"
 tests/long/slurm.sh build/release/sherd
 
 echo "== a dataset's report in a browser"
-DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium > /dev/null
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium python3-pil > /dev/null
 tests/long/report.py build/release/sherd
 
 echo "== later Blenders, and the extension where there is neither Sherd nor OpenCL"
@@ -82,6 +82,9 @@ folder=$(mktemp -d)
 blender -b --factory-startup --python-exit-code 1 --python tests/long/blender_tutorial.py -- build/release/sherd "$folder" 4 > "$folder/log" ||
   { tail "$folder/log"; exit 1; }
 rm -r "$folder"
+
+echo "== pages of the viewer in a browser"
+tests/long/viewer.py build/release/sherd
 
 echo "== what measures: Sherd beside other programs, instructions, and devices from an archive"
 tools/bench_peers.sh

@@ -37,7 +37,8 @@ void checkFractureFolder(const std::filesystem::path& folder);
 struct WrittenFolder {
   std::filesystem::path manifest;
   std::vector<std::string> warnings;  ///< a sentence about files that the earlier manifest lists
-                                      ///< but that are kept, as no fracture's file has such a name
+                                      ///< but that are kept, as no fracture's file has such a name;
+                                      ///< and for each thing that viewer.html leaves out
 };
 
 /// Writes a fracture into a folder that checkFractureFolder accepts.  Files that the earlier
@@ -97,8 +98,10 @@ class FractureReplacement {
   ///   throws  Error(output); what `write` throws
   void write(const std::function<void(const std::filesystem::path&)>& write);
 
-  /// A sentence about files that the earlier manifest lists but that are kept, as no fracture's
-  /// file has such a name; else empty.
+  /// Adds a sentence to warnings().
+  void warn(std::string sentence);
+
+  /// Sentences as those of WrittenFolder::warnings.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
   /// Only renames, which are undone unless keep() is called.
@@ -228,6 +231,28 @@ void readFragmentMeshes(const std::filesystem::path& manifest, FinishedFracture&
 ///           than `options` allow
 [[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path,
                                                const ReadOptions& options = {});
+
+struct ViewerOptions {
+  std::uint64_t maxBytes = std::uint64_t{64}
+                           << 20;  ///< of the page's meshes and textures; those that are
+                                   ///< larger are simplified or left out, see `warnings`
+  std::string unit;  ///< of the mesh's lengths, shown beside them; empty: m for glTF, else none
+  char up = '\0';    ///< the mesh's axis that points up: 'x', 'y', 'z'; 0: the fracture's, else y
+};
+
+/// A self-contained HTML page that shows a fracture (docs/viewer.md).
+struct Viewer {
+  std::string html;
+  std::vector<std::string> warnings;  ///< a sentence for each thing that is left out
+};
+
+/// Makes the page of a fracture in a folder.  Fragments without mesh files are meshed from their
+/// level sets.  The same files give the same bytes.
+///   folder  of a fracture, or its manifest
+///   throws  Error(input) what readManifest throws; the fracture has neither meshes nor level sets;
+///           a file is damaged, or all take more memory than `options` allow; Error(cancelled)
+[[nodiscard]] Viewer viewerOf(const std::filesystem::path& folder, const ViewerOptions& viewer = {},
+                              const ReadOptions& options = {}, const Progress* progress = nullptr);
 
 /// What a file holds.
 enum class FileKind { voxels, mesh, points, other };

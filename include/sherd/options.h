@@ -40,6 +40,7 @@ struct WriteOptions {
                              ///< meshes/STEM.ply etc. with `mesh`
   bool scene = false;        ///< scene.glb: a node for each fragment, its origin the center of mass
   bool graph = false;        ///< graph.json and graph.geo
+  bool viewer = false;       ///< viewer.html, see viewerOf
   bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
   bool proxy = false;        ///< proxies/STEM_001.obj, convex hulls
 
@@ -64,19 +65,19 @@ struct WriteOptions {
   bool sourceFaces = false;  ///< the face of the input on which each face of meshes/STEM_001.ply
                              ///< lies, see sourceFaces; not of volumes
 
-  char up = 'y';  ///< the mesh's axis that points up in the preview: 'x', 'y' or 'z'
+  char up = 'y';  ///< the mesh's axis that points up in images: 'x', 'y' or 'z'
 
   bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
 
   /// Whether a file is written that needs Fragment::mesh.  Points do not.
   bool needsMeshes() const {
-    return mesh || preview || boundaries || scene || graph || proxy || distances.count > 0 ||
-           correspondences > 0;
+    return mesh || preview || boundaries || scene || graph || viewer || proxy ||
+           distances.count > 0 || correspondences > 0;
   }
 
   /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
   bool needsAllMeshes() const {
-    return boundaries || scene || distances.count > 0 || correspondences > 0 ||
+    return boundaries || scene || viewer || distances.count > 0 || correspondences > 0 ||
            (needsMeshes() && points.count > 0 && sharePoints);
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }

@@ -22,6 +22,7 @@ void addInspectCommand(CLI::App& app, Action& run);
 void addConvertCommand(CLI::App& app, Action& run);
 void addEvaluateCommand(CLI::App& app, Action& run);
 void addRenderCommand(CLI::App& app, Action& run);
+void addViewCommand(CLI::App& app, Action& run);
 void addOptionsCommand(CLI::App& app, Action& run);
 void addDevicesCommand(CLI::App& app, Action& run);
 void addDoctorCommand(CLI::App& app, Action& run);

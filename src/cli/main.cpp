@@ -85,6 +85,7 @@ void parse(int argc, char** argv, Action& run) {
   addConvertCommand(app, run);
   addEvaluateCommand(app, run);
   addRenderCommand(app, run);
+  addViewCommand(app, run);
   addOptionsCommand(app, run);
   addDevicesCommand(app, run);
   addDoctorCommand(app, run);

@@ -79,6 +79,7 @@ FractureFiles filesBy(const Naming& naming, const NamedObject& object, std::size
     files.graph = whole + "graph.json";
     files.constraints = whole + "graph.geo";
   }
+  if (write.viewer) files.viewer = whole + "viewer.html";
   return files;
 }
 
@@ -167,6 +168,7 @@ NamedFiles fractureNames(DatasetLayout layout, const NamedObject& object,
 NamedFiles wholeNames(DatasetLayout layout, const NamedObject& object) {
   WriteOptions write = object.write;  // only the files of a single fragment
   write.preview = write.seeds = write.boundaries = write.cost = write.scene = write.graph = false;
+  write.viewer = false;
   write.vdbFiles = VdbFiles::files;
   write.correspondences = 0;
   write.distances.count = 0;

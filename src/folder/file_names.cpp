@@ -82,6 +82,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
     files.graph = "graph.json";
     files.constraints = "graph.geo";
   }
+  if (write.viewer) files.viewer = "viewer.html";
   if (write.mesh) addMaterialFiles(files, stem, table, write);
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
   if (write.correspondences > 0) files.correspondences = "correspondences.npz";

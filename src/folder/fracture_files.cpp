@@ -12,6 +12,7 @@
 #include "base/cancel_flag.h"
 #include "base/uncancelled.h"
 #include "folder/intact_mesh.h"
+#include "folder/viewer_file.h"
 #include "folder/write_points.h"
 #include "points/sample_surface.h"
 #include "render/preview_fragment.h"
@@ -42,7 +43,7 @@ bool hasSourceFaces(const WriteOptions& write) {
 
 FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
     : source_(source), options_(write), table_(materialTable(source.appearance)) {
-  const bool hasMeshes = write.mesh || write.scene;
+  const bool hasMeshes = write.mesh || write.scene || write.viewer;
   const bool hasFaces =
       hasSourceFaces(write) && !source.mesh.triangles.empty() && !isVolumeName(source.name);
   if ((hasMeshes && !source.mesh.attributes.empty()) || hasFaces) {
@@ -50,12 +51,14 @@ FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& wri
   }
 }
 
-void FractureWriter::write(const OutputFolder& folder, const FractureFiles& files,
-                           const FractureOptions& options, const FractureResult& result,
-                           const Progress* progress) const {
+std::vector<std::string> FractureWriter::write(const OutputFolder& folder,
+                                               const FractureFiles& files,
+                                               const FractureOptions& options,
+                                               const FractureResult& result,
+                                               const Progress* progress) const {
   FractureWriting writing(*this, folder, files, options, result);
   writing.writeAll(progress);
-  writing.finish(progress);
+  return writing.finish(progress);
 }
 
 void FractureWriting::writeAll(const Progress* progress) {
@@ -78,7 +81,7 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       result_(result),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
               result.solid, writer.options()),
-      attributes_(files.scene.empty() ? 0 : result.kept()),
+      attributes_(files.scene.empty() && files.viewer.empty() ? 0 : result.kept()),
       previews_(files.preview.empty() ? 0 : result.kept()) {}
 
 std::span<const Fragment> FractureWriting::kept() const {
@@ -147,7 +150,8 @@ void FractureWriting::write(std::size_t first, std::size_t end) {
   });
 }
 
-void FractureWriting::finish(const Progress* progress) const {
+std::vector<std::string> FractureWriting::finish(const Progress* progress) const {
+  std::vector<std::string> warnings;
   const WriteOptions& write = writer_.options();
   if (!files_.boundaries.empty()) writeBoundaries(folder_ / files_.boundaries, kept());
   if (!files_.allVdb.empty()) {
@@ -167,6 +171,10 @@ void FractureWriting::finish(const Progress* progress) const {
   }
   throwIfCancelled(progress);
   if (!files_.scene.empty()) meshes_.writeScene(kept(), attributes_, files_.scene);
+  if (!files_.viewer.empty()) {
+    warnings = writeViewer(folder_ / files_.viewer, writer_, result_, attributes_,
+                           ViewerOptions{}.maxBytes, progress);
+  }
   if (!files_.solidSdf.empty()) {
     writeAllDistances(folder_, files_, result_, intactMesh(result_, options_.surface),
                       options_.seed, write.distances, progress);
@@ -180,6 +188,7 @@ void FractureWriting::finish(const Progress* progress) const {
   if (!files_.preview.empty()) {
     writePng(folder_ / files_.preview, renderFragments(previews_, {.up = write.up}, progress));
   }
+  return warnings;
 }
 
 FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {

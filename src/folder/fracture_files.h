@@ -28,9 +28,11 @@ class FractureWriter {
   }
 
   /// Writes the files with a name in `files`, without the manifest.
+  ///   return  sentences about what they leave out
   ///   throws  what writeFracture throws
-  void write(const OutputFolder& folder, const FractureFiles& files, const FractureOptions& options,
-             const FractureResult& result, const Progress* progress) const;
+  std::vector<std::string> write(const OutputFolder& folder, const FractureFiles& files,
+                                 const FractureOptions& options, const FractureResult& result,
+                                 const Progress* progress) const;
 
  private:
   const SourceMesh& source_;
@@ -61,7 +63,8 @@ class FractureWriting {
   void writeAll(const Progress* progress);
 
   /// Writes the files of all fragments; see WriteOptions::needsAllMeshes and needsAllLevelSets.
-  void finish(const Progress* progress) const;
+  ///   return  sentences about what they leave out
+  std::vector<std::string> finish(const Progress* progress) const;
 
  private:
   std::span<const Fragment> kept() const;
@@ -76,7 +79,7 @@ class FractureWriting {
   const FractureResult& result_;
   const MeshWriter meshes_;
   // [fragments that are not withheld], or empty
-  std::vector<SurfaceAttributes> attributes_;  ///< for the scene
+  std::vector<SurfaceAttributes> attributes_;  ///< for the scene and the viewer
   std::vector<Fragment> previews_;             ///< coarse, for the preview
 };
 

@@ -237,6 +237,10 @@ void FractureReplacement::write(const std::function<void(const fs::path&)>& writ
   withFolderErrors(state_->folder, [&] { write(state_->partial->fresh()); });
 }
 
+void FractureReplacement::warn(std::string sentence) {
+  state_->warnings.push_back(std::move(sentence));
+}
+
 const std::vector<std::string>& FractureReplacement::warnings() const { return state_->warnings; }
 
 void FractureReplacement::putInPlace() {

@@ -195,6 +195,7 @@ void addFiles(Json& manifest, const FractureFiles& files) {
   if (!files.allVdb.empty()) manifest["vdb"] = files.allVdb;
   if (!files.scene.empty()) manifest["scene"] = files.scene;
   if (!files.graph.empty()) manifest["graph"] = files.graph;
+  if (!files.viewer.empty()) manifest["viewer"] = files.viewer;
   if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
   if (!files.correspondences.empty()) manifest["correspondences"] = files.correspondences;
   manifest["files"] = files.all();
@@ -223,7 +224,7 @@ std::vector<std::string> FractureFiles::all() const {
     }
   }
   for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds,
-                                  boundaries, cost, scene, graph, constraints}) {
+                                  boundaries, cost, scene, graph, constraints, viewer}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;

@@ -39,6 +39,7 @@ struct FractureFiles {
   std::string scene;
   std::string graph;
   std::string constraints;
+  std::string viewer;
 
   std::vector<std::string> all() const;
 };

@@ -60,7 +60,7 @@ std::string stemOf(const Json& manifest, std::size_t fragments, const Names& lis
 WriteOptions everything() {
   WriteOptions write;
   write.seeds = write.boundaries = write.cost = write.solid = write.scene = write.graph = true;
-  write.proxy = true;
+  write.proxy = write.viewer = true;
   write.vdbFiles = VdbFiles::both;
   write.voxelFormats = {VoxelFormat::rle, VoxelFormat::npy,    VoxelFormat::npz,
                         VoxelFormat::vox, VoxelFormat::qstack, VoxelFormat::bing};

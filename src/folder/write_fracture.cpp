@@ -115,7 +115,9 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
   FractureReplacement replacement(folder, files.all());
   replacement.write([&](const fs::path& staged) {
-    writer.write(staged, files, options, result, progress);
+    for (std::string& warning : writer.write(staged, files, options, result, progress)) {
+      replacement.warn(std::move(warning));
+    }
     writeWhole(staged / kManifestName,
                manifestText(source, options, result, meshFacts(result), files, write));
   });
@@ -145,7 +147,7 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
     FractureWriting writing(writer, staged, files, options, result);
     const std::vector<MeshFacts> facts =
         makeAndWrite(grown, options.surface, write, result, writing, clock, progress);
-    writing.finish(progress);
+    for (std::string& warning : writing.finish(progress)) replacement.warn(std::move(warning));
     writeWhole(staged / kManifestName, manifestText(source, options, result, facts, files, write));
   });
   clock.done("write");

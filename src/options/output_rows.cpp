@@ -225,10 +225,10 @@ const Row kFileRows[]{
                  o.write.up = "xyz"[indexOf(text, {"x", "y", "z"})];
                },
                [](R o) { return std::string(1, o.write.up); }},
-     .help = "The mesh's axis that points up in the preview",
-     .details = "the mesh's axis that points up in `preview.png`",
+     .help = "The mesh's axis that points up in the preview and the viewer",
+     .details = "the mesh's axis that points up in `preview.png` and `viewer.html`",
      .key = "up",
-     .recorded = [](R o) { return o.write.preview; }},
+     .recorded = [](R o) { return o.write.preview || o.write.viewer; }},
 };
 
 // Passes of smoothing, in a field of its own once the size of the solid is known.

@@ -273,6 +273,7 @@ constexpr WrittenName kWritten[] = {
     {"solid", [](WriteOptions& w) -> bool& { return w.solid; }},
     {"scene", [](WriteOptions& w) -> bool& { return w.scene; }},
     {"graph", [](WriteOptions& w) -> bool& { return w.graph; }},
+    {"viewer", [](WriteOptions& w) -> bool& { return w.viewer; }},
     {"proxy", [](WriteOptions& w) -> bool& { return w.proxy; }},
 };
 

@@ -303,8 +303,10 @@ std::vector<Rule> formatRules() {
        "does nothing without proxy in {write}"},
       {{"up"},
        Verdict::idle,
-       [](O o, U u) { return !u.isDataset && !writes(o, {"preview"}); },
-       "does nothing without preview in {write}"},
+       [](O o, U u) {
+         return !u.isDataset && !writes(o, {"preview", "viewer"});
+       },
+       "does nothing without preview or viewer in {write}"},
   };
 }
 

@@ -22,7 +22,7 @@ from manifests import load_schema
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
 ROOT = pathlib.Path(os.environ.get("SHERD_DOCUMENTS", HERE))
-COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "options", "devices", "doctor")
+COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "view", "options", "devices", "doctor")
 
 # Not of this project: names of other libraries, and files of examples.
 FOREIGN = set("""math/Mat3.h Mat3.h Coord.h version.h InteriorTest UNSIGNED_DISTANCE_FIELD meshToVolume Surface_mesh_simplification

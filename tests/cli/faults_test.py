@@ -32,7 +32,7 @@ FILES = ("write", "open", "close", "rename", "mkdir")
 NO_MEMORY = r"not enough memory; try|: no memory for \d+x\d+ pixels; try a|OpenEXR cannot encode it: "
 OUT_OF_RESOURCES = -5  # as OpenCL numbers them
 BUILD_PROGRAM_FAILURE = -11
-EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,graph,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
+EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,graph,viewer,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
               "ply,obj,glb,stl", "--points", "20", "--point-format", "ply,xyz,npz", "--sdf-samples", "20",
               "--correspondences", "5", "--vdb", "both", "--triangles", "100")
 
@@ -178,6 +178,7 @@ class Files(Faults):
     def test_pictures_and_tables(self):
         for command in (lambda out: ("render", self.whole, "-o", out + ".png", "--size", "64x64"),
                         lambda out: ("render", self.whole, "-o", out + ".exr", "--size", "64x64"),
+                        lambda out: ("view", self.whole, "-o", out + ".html"),
                         lambda out: ("evaluate", self.whole, "--samples", "50", "--csv", out + ".csv"),
                         lambda out: ("evaluate", self.whole, "--samples", "50", "--plot", out + ".svg")):
             for kind in ("write", "open", "close", "rename"):
@@ -279,6 +280,7 @@ class Memory(Faults):
     def test_render_and_evaluate(self):
         for command in (lambda out: ("render", self.whole, "-o", out + ".png", "--size", "64x64"),
                         lambda out: ("render", self.whole, "-o", out + ".exr", "--size", "64x64"),
+                        lambda out: ("view", self.whole, "-o", out + ".html"),
                         lambda out: ("evaluate", self.whole, "--samples", "50", "--csv", out + ".csv")):
             self.each(command, {0, 1, 5}, NO_MEMORY, kind="memory", bytes=4096)
 

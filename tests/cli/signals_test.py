@@ -117,6 +117,7 @@ class Signals(CommandLine):
         "a forecast": ["dataset", "library", "-o", "out", "--resolution", "24", "--pieces", "2..3", "--repeats", "1..1", "--dry-run"],
         "figures": ["evaluate", "pieces", "--samples", "10000", "--csv", "old.csv"],
         "a picture": ["render", "pieces", "-o", "old.png", "--size", "1000x750"],
+        "a page": ["view", "pieces", "-o", "old.png", "--max-size", "200K"],
         "a look": ["inspect", "fine.obj"],
         "a mesh": ["convert", "fine.obj", "old.stl", "--ascii"],
         "voxels": ["convert", "labels.npy", "old.rle"],

@@ -11,7 +11,7 @@ import unittest
 import skipping
 from cli_test import CommandLine, sphere, tree
 
-COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "devices")
+COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "view", "devices")
 
 
 class StandardOutput(CommandLine):

@@ -76,7 +76,7 @@ def files_of(folder):
 
 def test_saving_writes_what_the_program_writes(tmp_path):
     options = {"pieces": 5, "seed": 2, "resolution": 40, "roughness": 1}
-    program(AMPHORA, tmp_path / "program", *arguments_of(options), "--write=labels,vdb,mesh,preview,seeds,scene,graph", "--points=50")
+    program(AMPHORA, tmp_path / "program", *arguments_of(options), "--write=labels,vdb,mesh,preview,seeds,scene,graph,viewer", "--points=50")
     f = pysherd.fracture(AMPHORA, **options)
     f.contacts  # measured before: nothing of it is left in what is written
     f.save(tmp_path / "module", write=["labels", "vdb", "mesh", "preview", "seeds", "scene", "graph"], points=50)

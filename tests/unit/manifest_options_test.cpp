@@ -186,12 +186,12 @@ TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
 }
 
 TEST_F(ManifestOptions, OfFilesAreRecorded) {
-  auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, plainMeshes,
-         proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats, points,
-         sharePoints, pointFormats, distances, correspondences, precision, sourceFaces, up] =
-      write_;
+  auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, viewer,
+         plainMeshes, proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats,
+         points, sharePoints, pointFormats, distances, correspondences, precision, sourceFaces,
+         up] = write_;
   // Which files there are is in the list of files, their formats in their names.
-  for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &graph}) {
+  for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &graph, &viewer}) {
     expectNotRecorded("a file", *file, !*file);
   }
   expectNotRecorded("voxelFormats", voxelFormats, {VoxelFormat::npz});
