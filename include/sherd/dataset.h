@@ -121,6 +121,7 @@ struct DatasetOptions {
   LibraryOptions library{};
   Shard shard{};
   bool resume = false;
+  bool viewers = false;  ///< a page of the viewer for each fracture that the report shows
   double objectTimeout = std::numeric_limits<double>::infinity();  ///< seconds
   std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max();
 };

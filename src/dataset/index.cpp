@@ -224,7 +224,9 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
       }
       const std::string image = thumbnailName(object, name);
       if (hasThumbnail(i, plan.objects.size()) && isOwnFile(out, image)) {
-        statistics.thumbnails.push_back({object.key + ", " + name, out / image});
+        const std::string viewer = viewerName(object, name);
+        statistics.thumbnails.push_back({object.key + ", " + name, out / image,
+                                         isOwnFile(out, viewer) ? viewer : std::string()});
       }
     }
     bb.push_back(std::move(own));

@@ -51,10 +51,12 @@ constexpr std::array kReserved{
     Reserved{"*.train.txt", kBb, true},
     Reserved{"*.val.txt", kBb, true},
     Reserved{"*.test.txt", kBb, true},
-    // Files beside an object's folder that begin with its name: journal, thumbnails, archive.
+    // Files beside an object's folder that begin with its name: journal, thumbnails, pages of the
+    // viewer, archive.
     Reserved{"*.jsonl", kAll, false},
     Reserved{"*.whole.png", kAll, false},
     Reserved{"*.[0-9]*f_[0-9]*.png", kAll, false},
+    Reserved{"*.[0-9]*f_[0-9]*.html", kAll, false},
     Reserved{"*.zip", kPacked, false},
     Reserved{"*.zip.partial", kPacked, false},
     // Temporary files.

@@ -34,6 +34,7 @@
 #include "dataset/stored_object.h"
 #include "dataset/thumbnails.h"
 #include "folder/fracture_files.h"
+#include "folder/viewer_file.h"
 #include "formats/arrays/npz.h"
 #include "pipeline/fracture_stages.h"
 
@@ -297,7 +298,10 @@ class ObjectRun {
         if (options_.each.write.mesh) writeNeighbors(result, options, name, files);
         return;
       default:
-        writer_->write(files, names, options, result, &progress_);
+        for (const std::string& warning :
+             writer_->write(files, names, options, result, &progress_)) {
+          run_.warning(object_.key + ": " + warning);
+        }
     }
   }
 
@@ -306,7 +310,18 @@ class ObjectRun {
     const Clock::time_point begin = Clock::now();
     writeThumbnail(run_.out / thumbnailName(object_, name),
                    std::span(result.fragments).first(result.kept()), options_.each.write.up);
+    if (options_.viewers && name != kWholeName) writePage(name, result);
     run_.times.add("picture", secondsSince(begin));
+  }
+
+  void writePage(const std::string& name, const FractureResult& result) const {
+    std::vector<SurfaceAttributes> attributes;
+    for (std::size_t i = 0; writer_->attributes() != nullptr && i < result.kept(); ++i) {
+      attributes.push_back(writer_->attributes()->transferTo(result.fragments[i].mesh,
+                                                             writer_->materials().inside()));
+    }
+    writeViewer(run_.out / viewerName(object_, name), *writer_, result, attributes, kMaxViewerBytes,
+                &progress_);
   }
 
   // Writes the neighbor of each face, in folders that no loader reads as fragments.

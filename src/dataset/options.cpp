@@ -186,6 +186,13 @@ const std::vector<Row> kRunRows{
      .details = "continue DIR. Options must be the same as before, except `--match`, "
                 "`--limit`, `--shard`, `--verify`, `--device`, `--threads`, "
                 "`--max-memory`, `--object-timeout` and output options"},
+    {.name = "viewers",
+     .group = "Run",
+     .value = V::flag(kDataset, &DatasetOptions::viewers),
+     .help = "Link the report's images to pages that show the fracture",
+     .details = "a page of the viewer ([viewer.md](viewer.md)) for each fracture of which "
+                "`report.html` shows an image, at most 16, each of at most 4 MB; the image links "
+                "to it"},
     {.name = "shard",
      .group = "Run",
      .value = V::custom(

@@ -2,7 +2,9 @@
 #include "dataset/report.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <string_view>
 
 #include "base/atomic_file.h"
 #include "base/base64.h"
@@ -196,17 +198,32 @@ std::string failuresText(const DatasetStatistics& statistics) {
   return text;
 }
 
-std::string figureText(const fs::path& file, const std::string& caption) {
-  return formatted("<figure><img width=\"%d\" height=\"%d\" alt=\"", kThumbnailSide,
-                   kThumbnailSide) +
-         escapedXml(caption) + "\" src=\"data:image/png;base64," + base64(readFileBytes(file)) +
-         "\"><figcaption>" + escapedXml(caption) + "</figcaption></figure>\n";
+// A path as a link from the report: bytes that have a meaning in links are escaped.
+std::string linkTo(const std::string& path) {
+  std::string link;
+  for (const char c : path) {
+    const bool isPlain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                         std::string_view("/-_.").find(c) != std::string_view::npos;
+    link += isPlain ? std::string(1, c)
+                    : formatted("%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+  }
+  return link;
+}
+
+std::string figureText(const Thumbnail& image) {
+  const std::string caption = escapedXml(image.caption);
+  const std::string begin = image.viewer.empty() ? "" : "<a href=\"" + linkTo(image.viewer) + "\">";
+  return "<figure>" + begin +
+         formatted("<img width=\"%d\" height=\"%d\" alt=\"", kThumbnailSide, kThumbnailSide) +
+         caption + "\" src=\"data:image/png;base64," + base64(readFileBytes(image.file)) + "\">" +
+         (image.viewer.empty() ? "" : "</a>") + "<figcaption>" + caption +
+         "</figcaption></figure>\n";
 }
 
 std::string contactSheet(const DatasetStatistics& statistics) {
   std::string text = "<div class=\"sheet\">\n";
   for (const Thumbnail& image : statistics.thumbnails) {
-    text += figureText(image.file, image.caption);
+    text += figureText(image);
   }
   return text + "</div>";
 }

@@ -31,6 +31,7 @@ struct FileStatistics {
 struct Thumbnail {
   std::string caption;
   std::filesystem::path file;
+  std::string viewer{};  ///< its page, below the dataset's folder; empty: none
 };
 
 struct DatasetStatistics {

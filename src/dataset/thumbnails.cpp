@@ -50,6 +50,12 @@ std::string thumbnailName(const LibraryObject& object, const std::string& fractu
       .generic_string();
 }
 
+std::string viewerName(const LibraryObject& object, const std::string& fracture) {
+  return std::filesystem::path(thumbnailName(object, fracture))
+      .replace_extension(".html")
+      .generic_string();
+}
+
 void writeThumbnail(const std::filesystem::path& file, std::span<const Fragment> fragments,
                     char up) {
   RenderOptions options;

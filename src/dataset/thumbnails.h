@@ -5,6 +5,7 @@
 #include <sherd/fragments.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <set>
 #include <span>
@@ -28,6 +29,12 @@ constexpr int kThumbnailSide = 200;         ///< pixels
 /// Returns the path of a fracture's thumbnail below the dataset's folder: beside the object's
 /// journal, as it is not part of the dataset.
 [[nodiscard]] std::string thumbnailName(const LibraryObject& object, const std::string& fracture);
+
+/// Returns the path of a fracture's page of the viewer, beside its thumbnail.
+[[nodiscard]] std::string viewerName(const LibraryObject& object, const std::string& fracture);
+
+/// The largest size of a page's meshes and textures, bytes.
+constexpr std::uint64_t kMaxViewerBytes = 4'000'000;
 
 /// Renders fragments, exploded, to a PNG file.
 ///   up  the upward axis: 'x', 'y' or 'z'

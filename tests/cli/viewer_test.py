@@ -388,5 +388,33 @@ class Command(Viewer):
             self.assertEqual({open_edges(piece) for piece in page.pieces.values()}, {0})
 
 
+class Dataset(Viewer):
+    def test_the_report_links_to_pages(self):
+        library = self.path("library")
+        os.makedirs(os.path.join(library, "a b#"))
+        for name in ("a b#/50% ball.obj", "ball.obj"):
+            shutil.copy(self.ball, os.path.join(library, name))
+        plain, linked = self.path("plain"), self.path("linked")
+        for out, more in ((plain, ()), (linked, ("--viewers",))):
+            result = self.run_sherd("dataset", library, "-o", out, "--resolution", "24", "--pieces", "2..4", "--repeats", "2..1", "--write", "labels", *more)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertFalse([name for name in tree(plain) if name.endswith(".html") and name != "report.html"])
+        from viewer_page import Elements
+        from urllib.parse import unquote
+        with open(os.path.join(linked, "report.html")) as file:
+            links = [unquote(e[1]["href"]) for e in Elements(file.read()).of("a")]
+        pages = sorted(name for name in tree(linked) if name.endswith(".html") and name != "report.html")
+        self.assertEqual(sorted(links), pages)
+        self.assertGreaterEqual(len(pages), 4)
+        for name in pages:
+            page = Page(os.path.join(linked, name))
+            pieces = int(re.search(r"\.(\d+)f_\d+\.html$", name).group(1))
+            self.assertEqual({open_edges(piece) for piece in page.pieces.values()}, {0})
+            self.assertEqual(len(page.pieces), pieces)
+        # The pages are no part of the dataset.
+        with open(os.path.join(plain, "index.csv")) as a, open(os.path.join(linked, "index.csv")) as b:
+            self.assertEqual(a.read(), b.read())
+
+
 if __name__ == "__main__":
     unittest.main()
