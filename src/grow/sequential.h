@@ -37,7 +37,7 @@ struct SequentialFracture {
   std::vector<double> densities{};     ///< as in SplitRun
   std::vector<SplitImpact> impacts{};  ///< as in SplitRun
   SeedsOn on = SeedsOn::automatic;     ///< wall: cracks go straight through walls; volume: they are
-                                    ///< not even rotated into them
+                                       ///< not even rotated into them
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the
