@@ -290,7 +290,8 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
     labels[f].splits = std::move(grown.fractures[f].splits);
     std::vector<std::size_t> guided;
     for (const Split& split : labels[f].splits) {
-      if (split.normal == glm::ivec3(0)) guided.push_back(static_cast<std::size_t>(split.offset));
+      if (split.isSphere || split.normal != glm::ivec3(0)) continue;
+      guided.push_back(static_cast<std::size_t>(split.offset));
     }
     if (!options.roughness.isZero()) {
       for (Split& split : labels[f].splits) {

@@ -67,7 +67,9 @@ SplitPlane planeOf(const ImpactSplit& split) {
   SplitPlane plane;
   plane.impact = split;
   if (split.radius > 0.0) {
-    const double radius = 64.0 * split.radius;
+    // A radius beyond any solid, whose square an integer still holds.
+    constexpr double kMostRadius = 1 << 30;
+    const double radius = std::min(64.0 * split.radius, kMostRadius);
     plane.isSphere = true;
     plane.center = glm::ivec3(glm::floor(64.0 * split.center + 0.5));
     plane.offset = static_cast<std::int64_t>(std::floor(radius * radius));

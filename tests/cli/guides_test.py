@@ -226,6 +226,10 @@ class Guides(Guided):
         self.assertEqual(self.done(*sequential, "--guide", both).stderr,
                          f"sherd: warning: {both}: 1 of its 2 lines and connected components split nothing: no piece has voxels on "
                          "both sides\n")
+        # The ring crack of an impact is no guide's.
+        self.assertEqual(self.done("--growth", "sequential", "--guide", beside, "--impact", "0,0,1,2,0.1,energy=1", "--write", "labels",
+                                   pieces=2).stderr, nothing)
+        self.assertIn("sphere", self.manifest()["splits"][0])
         # A fracture that is continued: the ring passes one of the two fragments, and that is enough.
         self.done("--growth", "sequential", "--guide", both, "--write", "labels,vdb", pieces=2)
         manifest = os.path.join(self.out, "manifest.json")
