@@ -10,6 +10,7 @@
 #include "dataset/distinct.h"
 #include "dataset/object_run.h"
 #include "pipeline/fracture_stages.h"
+#include "voxelize/wall_middles.h"
 
 namespace sherd {
 
@@ -43,6 +44,7 @@ class GrowthAhead {
   std::unique_ptr<PlannedGrowth> planOf(std::size_t number, int attempt);
 
   const PreparedSolid& ready_;
+  SolidWalls walls_;
   const DatasetRun& run_;
   const DatasetOptions& options_;
   const std::string sha256_;

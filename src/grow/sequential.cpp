@@ -13,7 +13,6 @@
 #include "grow/shares.h"
 #include "grow/split_plan.h"
 #include "seed/sizes.h"
-#include "voxelize/wall_normals.h"
 
 namespace sherd {
 namespace {
@@ -54,25 +53,20 @@ double sizeErrorOf(const SeededLabels& grown) {
 
 }  // namespace
 
-std::vector<SeededLabels> growSequential(const Solid& solid, const VoxelComponents& components,
+std::vector<SeededLabels> growSequential(const Solid& solid, SolidWalls& walls,
+                                         const VoxelComponents& components,
                                          std::span<const SequentialFracture> fractures,
                                          Device& device, const GrowOptions& options,
                                          const ShareOptions& shares, const GuideSides& guides,
                                          const Progress* progress) {
   const std::uint64_t voxels = solid.blocks->insideVoxels();
   const std::uint64_t least = leastVoxels(shares, voxels);
-  const std::vector<glm::dmat3> walls = wallNormals(solid);
   const bool isDrawn = shares.sizes != Sizes::grown;
-  std::shared_ptr<const WallMiddles> middles;
-  if (std::any_of(fractures.begin(), fractures.end(),
-                  [](const SequentialFracture& each) { return each.on == SeedsOn::wall; })) {
-    middles = std::make_shared<const WallMiddles>(solid, WallMiddles::mostOf(solid), progress);
-  }
   const auto runOf = [&](std::size_t f, std::uint64_t seed) {
     const SequentialFracture& own = fractures[f];
     SplitRun run{meantShares(own.fragments, options, shares, voxels, seed), seed};
-    if (own.on != SeedsOn::volume) run.walls = walls;
-    if (own.on == SeedsOn::wall) run.middles = middles;
+    if (own.on != SeedsOn::volume) run.walls = walls.normals();
+    if (own.on == SeedsOn::wall) run.middles = walls.middles(progress);
     run.guides = &guides;
     if (isDrawn) return run;
     run.densities = own.densities;

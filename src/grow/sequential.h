@@ -57,10 +57,11 @@ struct SequentialFracture {
 
 /// The same with shares that are drawn, by ShareOptions or as splits give them, and drawn again
 /// where a fragment is below the least one.
+///   walls   of the solid
 ///   guides  see SplitRun
 ///   throws  also Error(usage) the least share cannot be reached, or not within the tries
 [[nodiscard]] std::vector<SeededLabels> growSequential(
-    const Solid& solid, const VoxelComponents& components,
+    const Solid& solid, SolidWalls& walls, const VoxelComponents& components,
     std::span<const SequentialFracture> fractures, Device& device, const GrowOptions& options,
     const ShareOptions& shares, const GuideSides& guides, const Progress* progress = nullptr);
 

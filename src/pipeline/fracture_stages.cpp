@@ -20,6 +20,7 @@
 #include "surface/simplify.h"
 #include "surface/smooth.h"
 #include "voxelize/region.h"
+#include "voxelize/wall_middles.h"
 
 namespace sherd {
 namespace {
@@ -167,7 +168,8 @@ SeededLabels growFor(const FractureOptions& options, const Solid& solid,
   grow.longestSideVoxels = longestSideVoxels(solid);
   if (ruleOf(grow.growth).splits) {
     const SequentialFracture fracture = sequentialOf(options, solid, components, seed);
-    return std::move(growSequential(solid, components, std::span(&fracture, 1), device, grow,
+    SolidWalls walls(solid);
+    return std::move(growSequential(solid, walls, components, std::span(&fracture, 1), device, grow,
                                     options.shares, sidesOf(options.guides, solid, progress),
                                     progress)
                          .front());
@@ -247,7 +249,7 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
 // Grows fractures by splits, and sets their seeds.
 std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownFracture>& all,
                                   std::span<const FractureOptions> options,
-                                  const GrowOptions& together, Device& device,
+                                  const GrowOptions& together, SolidWalls& walls, Device& device,
                                   const Progress* progress) {
   std::vector<SequentialFracture> fractures;
   for (const FractureOptions& own : options) {
@@ -256,7 +258,7 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
   const std::vector<Guide>& guides = options.front().guides;
   const GuideSides sides = sidesOf(guides, ready.solid, progress);
   std::vector<Labels> labels;
-  for (SeededLabels& grown : growSequential(ready.solid, ready.components, fractures, device,
+  for (SeededLabels& grown : growSequential(ready.solid, walls, ready.components, fractures, device,
                                             together, options.front().shares, sides, progress)) {
     FractureResult& result = all[labels.size()].result;
     result.guideWarnings =
@@ -272,7 +274,8 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
 
 std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
                                         std::span<const FractureOptions> options, Device& device,
-                                        StageClock clock, const Progress* progress) {
+                                        StageClock clock, const Progress* progress,
+                                        SolidWalls* walls) {
   std::vector<GrownFracture> all;
   std::vector<std::vector<Seed>> seeds;
   GrowOptions together = options.front().grow;
@@ -286,7 +289,9 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   clock.done("seed");
   std::vector<Labels> labels;
   if (ruleOf(together.growth).splits) {
-    labels = splitTogether(ready, all, options, together, device, progress);
+    SolidWalls own(ready.solid);
+    labels = splitTogether(ready, all, options, together, walls != nullptr ? *walls : own, device,
+                           progress);
   } else if (options.front()
                  .shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -307,9 +312,10 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
 }
 
 GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
-                   StageClock clock, const Progress* progress) {
+                   StageClock clock, const Progress* progress, SolidWalls* walls) {
   return std::move(
-      growTogether(ready, std::span(&options, 1), device, std::move(clock), progress).front());
+      growTogether(ready, std::span(&options, 1), device, std::move(clock), progress, walls)
+          .front());
 }
 
 namespace {

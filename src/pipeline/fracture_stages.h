@@ -15,6 +15,8 @@
 
 namespace sherd {
 
+class SolidWalls;
+
 /// The seconds of consecutive stages; those of a repeated stage are summed.
 class StageClock {
  public:
@@ -76,14 +78,17 @@ struct GrownFracture {
 /// Seed several fractures, grow them together, and erode each; the results equal separate runs.
 ///   options  growth and shares of the first apply to all
 ///   clock    of the earlier stages
+///   walls    of the prepared solid, kept by who grows more fractures of it; or null
 [[nodiscard]] std::vector<GrownFracture> growTogether(const PreparedSolid& prepared,
                                                       std::span<const FractureOptions> options,
                                                       Device& device, StageClock clock,
-                                                      const Progress* progress);
+                                                      const Progress* progress,
+                                                      SolidWalls* walls = nullptr);
 
 /// The same for one fracture.
 [[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
-                                 Device& device, StageClock clock, const Progress* progress);
+                                 Device& device, StageClock clock, const Progress* progress,
+                                 SolidWalls* walls = nullptr);
 
 /// `fracture` and `refracture` without the fragments.
 [[nodiscard]] GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options,

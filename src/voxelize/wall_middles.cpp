@@ -223,10 +223,10 @@ double WallMiddles::mostOf(const Solid& solid) {
   return 0.5 * std::cbrt(static_cast<double>(solid.voxels));
 }
 
-WallMiddles::WallMiddles(const Solid& solid, double most, const Progress* progress)
+WallMiddles::WallMiddles(const Solid& solid, std::span<const glm::dmat3> normals, double most,
+                         const Progress* progress)
     : blocks_(solid.blocks), ways_(solid.blocks->count() * 512 * 3, 0) {
   const LeafBlocks& blocks = *blocks_;
-  const std::vector<glm::dmat3> normals = wallNormals(solid);
   std::vector<int> reach(blocks.count(), 0);
   CancelFlag stop(progress);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
@@ -244,6 +244,19 @@ WallMiddles::WallMiddles(const Solid& solid, double most, const Progress* progre
 WallMiddles::WallMiddles(std::shared_ptr<const LeafBlocks> blocks, std::vector<std::int16_t> ways)
     : blocks_(std::move(blocks)), ways_(std::move(ways)) {
   for (const std::int16_t way : ways_) reach_ = std::max(reach_, std::abs(int{way}));
+}
+
+std::span<const glm::dmat3> SolidWalls::normals() {
+  if (!normals_) normals_ = wallNormals(solid_);
+  return *normals_;
+}
+
+std::shared_ptr<const WallMiddles> SolidWalls::middles(const Progress* progress) {
+  if (!middles_) {
+    middles_ = std::make_shared<const WallMiddles>(solid_, normals(), WallMiddles::mostOf(solid_),
+                                                   progress);
+  }
+  return middles_;
 }
 
 WaysAround::WaysAround(const WallMiddles* walls, const openvdb::Coord& origin)

@@ -6,8 +6,10 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,9 +25,11 @@ class WallMiddles {
  public:
   static constexpr int kSteps = 64;  ///< of a voxel
 
-  ///   most    voxels: walls thicker than this have no middle, and ways get shorter from 3/4 on
-  ///   throws  Error(cancelled)
-  WallMiddles(const Solid& solid, double most, const Progress* progress = nullptr);
+  ///   normals  of the solid, see wall_normals.h
+  ///   most     voxels: walls thicker than this have no middle, and ways get shorter from 3/4 on
+  ///   throws   Error(cancelled)
+  WallMiddles(const Solid& solid, std::span<const glm::dmat3> normals, double most,
+              const Progress* progress = nullptr);
 
   /// Of ways that are given.
   WallMiddles(std::shared_ptr<const LeafBlocks> blocks, std::vector<std::int16_t> ways);
@@ -45,6 +49,26 @@ class WallMiddles {
   std::shared_ptr<const LeafBlocks> blocks_;
   std::vector<std::int16_t> ways_;
   int reach_ = 0;
+};
+
+/// What growth by splits has to know of a solid's walls, found when it is first asked for:
+/// fractures of one solid share it.  Use it from one thread.
+class SolidWalls {
+ public:
+  ///   solid  kept by reference
+  explicit SolidWalls(const Solid& solid) : solid_(solid) {}
+
+  /// Returns wallNormals, as long as this lives.
+  [[nodiscard]] std::span<const glm::dmat3> normals();
+
+  /// Returns the middles of walls up to WallMiddles::mostOf.
+  ///   throws  Error(cancelled)
+  [[nodiscard]] std::shared_ptr<const WallMiddles> middles(const Progress* progress);
+
+ private:
+  const Solid& solid_;
+  std::optional<std::vector<glm::dmat3>> normals_;
+  std::shared_ptr<const WallMiddles> middles_;
 };
 
 /// Ways of a leaf's voxels and of those up to 8 around them.  Use it from one thread.

@@ -12,6 +12,7 @@
 #include "kernels/device_fixture.h"
 #include "seed/wall.h"
 #include "shapes.h"
+#include "voxelize/wall_normals.h"
 
 namespace sherd {
 namespace {
@@ -50,7 +51,9 @@ TriangleMesh tube(double outer, double inner, double length) {
   return mesh;
 }
 
-WallMiddles middlesOf(const Solid& solid) { return {solid, WallMiddles::mostOf(solid)}; }
+WallMiddles middlesOf(const Solid& solid) {
+  return {solid, wallNormals(solid), WallMiddles::mostOf(solid)};
+}
 
 // Positions of all inside voxels, world units, and of the middle of their walls.
 template <class Check>
@@ -135,7 +138,7 @@ TEST(WallMiddles, StopOnRequest) {
   const Solid solid = voxelize(shapes::hollowBall(1.0, 0.9), {.resolution = 40});
   Progress progress;
   progress.cancelled = [] { return true; };
-  EXPECT_THROW((void)WallMiddles(solid, 20.0, &progress), Error);
+  EXPECT_THROW((void)WallMiddles(solid, wallNormals(solid), 20.0, &progress), Error);
 }
 
 TEST(ThinSolids, AreVesselsShellsAndPlates) {
