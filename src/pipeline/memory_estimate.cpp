@@ -33,6 +33,7 @@ constexpr double kExactCut = 300.0;       // per voxel of cracks: their mesh, po
 constexpr double kExactRoughCut = 800.0;  // the same of rough cracks, which stay as they are meshed
 constexpr double kSimplified = 1.6;       // factor where meshes are decimated
 constexpr double kMerged = 1.3;           // the same where triangles are merged in planes
+constexpr double kPerWayToMiddle = 12.0;  // of each voxel of the leaves, host and device
 constexpr double kPerGuideTriangle = 350.0;  // their mesh, its repair, tree and normals
 constexpr double kPerPiece = 25e3;  // of any size: distances to the cut in every leaf it reaches,
                                     // its manifest entry
@@ -168,12 +169,30 @@ double bytesForExact(std::size_t triangles, double cuts, const FractureOptions& 
          (options.grow.roughness.isZero() ? kExactCut : kExactRoughCut) * cuts;
 }
 
+double voxelsOfLeaves(double surface, double inside) {
+  return inside + 16.0 * surface;  // of which half are of the border
+}
+
 // Returns what guides take: their surfaces, a bit for each voxel of the leaves, and for lines the
 // mesh again, on which they are drawn.
 double bytesForGuides(const Extent& extent, std::size_t triangles, double surface, double inside) {
-  const double leaves = inside / 512.0 + surface / 32.0;  // of which half are of the border
+  const double leaves = voxelsOfLeaves(surface, inside) / 512.0;
   return kPerGuideTriangle * extent.guideTriangles + 64.0 * leaves * extent.guideCracks +
          (extent.hasGuideLines ? kPerTriangle * static_cast<double>(triangles) : 0.0);
+}
+
+// Returns what the ways to the middle of walls take.  A solid of twice its volume over its area in
+// thickness, as a plate is, counts as one of walls where growth would: blocks and balls have 0.33
+// and 0.41 of the side of a cube of their volume.
+double bytesForWalls(const FractureOptions& options, double surface, double inside) {
+  const SeedsOn on = options.seeds.on;
+  if (!ruleOf(options.grow.growth).splits || on == SeedsOn::volume || on == SeedsOn::surface) {
+    return 0.0;
+  }
+  constexpr double kThin = 0.25;
+  const double ofPiece = 1.0 / std::cbrt(static_cast<double>(std::max(options.pieces, 1)));
+  const bool isThin = 2.0 * inside < std::min(kThin, ofPiece) * std::cbrt(inside) * surface;
+  return on == SeedsOn::wall || isThin ? kPerWayToMiddle * voxelsOfLeaves(surface, inside) : 0.0;
 }
 
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
@@ -187,6 +206,7 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
   return kPerTriangle * static_cast<double>(triangles) +
          kPerPiece * static_cast<double>(options.pieces) + bytesForExact(triangles, cuts, options) +
          bytesForGuides(extent, triangles, surface, inside) +
+         bytesForWalls(options, surface, inside) +
          bytesForVoxels(meshFactor(options.surface, held, extent.longest / voxelSize,
                                    extent.hasLargeTriangles) *
                             (surface + cuts),

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "pipeline/memory_estimate.h"
@@ -47,6 +48,28 @@ TEST(Memory, GoesByTheSurfaceInVoxelsAndTheVolume) {
   const TriangleMesh turned =
       shapes::append(ball, shapes::inverted(shapes::cube(1.0, {5.0, 0.0, 0.0})));
   EXPECT_EQ(estimatedMemory(two, {}), estimatedMemory(turned, {}));
+}
+
+// Splits in thin walls hold the way to the middle for each voxel: three numbers of two bytes.
+TEST(Memory, SplitsInThinWallsTakeMore) {
+  const auto bytes = [](const TriangleMesh& mesh, SeedsOn on, Growth growth) {
+    FractureOptions options{.solid = {.resolution = 256}};
+    options.pieces = 12;
+    options.seeds.on = on;
+    options.grow.growth = growth;
+    return static_cast<double>(estimatedMemory(mesh, options));
+  };
+  const TriangleMesh shell = shapes::hollowBall(1.0, 0.95), cube = shapes::cube(1.0);
+  const double none = bytes(shell, SeedsOn::volume, Growth::sequential),
+               wall = bytes(shell, SeedsOn::wall, Growth::sequential);
+  const double inside = std::numbers::pi / 6.0 * (1.0 - std::pow(0.95, 3.0)) * std::pow(256.0, 3.0);
+  EXPECT_GT(wall - none, 6.0 * inside);
+  EXPECT_EQ(bytes(shell, SeedsOn::automatic, Growth::sequential), wall);
+  EXPECT_EQ(bytes(shell, SeedsOn::surface, Growth::sequential), none);
+  EXPECT_EQ(bytes(shell, SeedsOn::wall, Growth::euclid),
+            bytes(shell, SeedsOn::volume, Growth::euclid));
+  EXPECT_EQ(bytes(cube, SeedsOn::automatic, Growth::sequential),
+            bytes(cube, SeedsOn::volume, Growth::sequential));
 }
 
 // Guides take their surfaces, which do not depend on the resolution, and a bit for each voxel.
