@@ -89,7 +89,7 @@ enum class Sampler {
 
 /// Where seeds can be.
 enum class SeedsOn {
-  automatic,  ///< wall where nine tenths of the solid are walls thinner than a cube of a piece's
+  automatic,  ///< wall where three quarters of the solid are walls thinner than a cube of a piece's
               ///< volume, as vessels, shells and plates are; else volume
   volume,     ///< anywhere inside
   surface,    ///< at the surface, in inside voxels with a face neighbor that is not inside: points

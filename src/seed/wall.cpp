@@ -149,7 +149,7 @@ double thinFor(std::uint64_t voxels, std::size_t pieces) {
 }
 
 bool isThin(const Solid& solid, std::size_t pieces) {
-  constexpr std::uint64_t kSamples = 64, kMostThick = kSamples / 10;
+  constexpr std::uint64_t kSamples = 64, kMostThick = kSamples / 4;
   if (pieces < 2 || !solid.distance || solid.voxels == 0) return false;
   const Walls walls(solid);
   const double most = thinFor(solid.voxels, pieces);

@@ -59,7 +59,7 @@ class Walls {
 [[nodiscard]] double thinFor(std::uint64_t voxels, std::size_t pieces);
 
 /// Returns whether a solid is a vessel, a shell or a plate as far as its pieces are concerned: the
-/// wall is thin at nine tenths of its voxels, of which up to 64 are measured.
+/// wall is thin at three quarters of its voxels, of which up to 64 are measured.
 [[nodiscard]] bool isThin(const Solid& solid, std::size_t pieces);
 
 /// Returns what SeedsOn::automatic is for a solid, and other values as they are.
