@@ -196,6 +196,28 @@ answer(before=before, after=after, chosen=chosen, parts=[p.name for p in parts],
         ends = {end for j in reported["plain"] for end in j["ends"]}
         self.assertFalse(ends & {None, reported["gone"], reported["other"]})
 
+    def test_the_simulation_goes_on_after_a_piece_is_broken_again(self):
+        """Between frames, with bodies and constraints that Bullet has: nothing that it holds may be freed."""
+        reported = self.run_addon('''
+fresh()
+pieces = broken()
+change(pieces, 8)
+names = sorted(p.name for p in pieces)
+only(bpy.data.objects[names[1]])
+parts = broken(pieces=3)
+again = [p.name for p in parts]
+for frame in range(9, 20):
+    bpy.context.scene.frame_set(frame)
+bodies = [o for o in bpy.context.scene.objects if o.rigid_body and o.visible_get()]
+held = change(bodies, 8)
+answer(again=again, held=held, ends=[e for j in joints() for e in j["ends"]], chosen=names[1],
+       shown=[o.name for o in bpy.context.scene.objects if "sherd_area" in o])
+''')
+        self.assertEqual(len(reported["again"]), 3)
+        self.assertLess(reported["held"], 0.01)
+        self.assertFalse({None, reported["chosen"]} & set(reported["ends"]))
+        self.assertEqual(len(reported["shown"]), len(reported["ends"]) // 2)
+
     def test_levels_of_sequential_growth(self):
         kept = self.tmp / "kept"
         reported = self.run_addon('''

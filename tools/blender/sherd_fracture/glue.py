@@ -86,14 +86,21 @@ def prune(context):
     there = set(context.scene.objects)
     for empty in joints(context.scene.rigidbody_world):
         if not {empty.rigid_body_constraint.object1, empty.rigid_body_constraint.object2} <= there:
-            remove(empty)
+            remove(context, empty)
 
 
-def remove(empty):
-    homes = [each for each in empty.users_collection if each.get("sherd_glue")]
-    bpy.data.objects.remove(empty)
-    for each in homes:
-        if not each.objects[:]:
+def remove(context, empty):
+    """Removes a constraint from its scene.  The object itself stays, without a user, until the file is closed: Bullet's
+    constraint, which exists since the simulation ran, would be read again when the simulation goes on, and its end reads
+    bodies, those of deleted pieces too (Blender 4.5 ends with a segmentation fault in both cases).
+    """
+    empty.rigid_body_constraint.enabled = False
+    world = context.scene.rigidbody_world
+    if world and world.constraints and empty in world.constraints.objects[:]:
+        world.constraints.objects.unlink(empty)
+    for each in empty.users_collection:
+        each.objects.unlink(empty)
+        if each.get("sherd_glue") and not each.objects[:]:
             bpy.data.collections.remove(each)
 
 
@@ -149,7 +156,7 @@ def move(context, old, pieces, reach):
         touch = replace(context, empty, other, pieces, reach) if other else 0
         if "sherd_apart" not in empty:
             moved, lost = moved + bool(touch), lost + (not touch)
-        remove(empty)
+        remove(context, empty)
     return moved, lost
 
 
