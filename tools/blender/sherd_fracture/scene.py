@@ -37,10 +37,10 @@ def discard_previews(name):
 
 def select(context, names):
     """Selects objects and nothing else; the first one is active."""
-    for thing in context.view_layer.objects:
-        if thing and thing.select_get():  # Blender 5.0 has None in place of what was removed
-            thing.select_set(False)
-    found = [thing for thing in map(context.view_layer.objects.get, names) if thing]
+    for thing in context.selected_objects:  # not view_layer.objects: Blender may rebuild what is iterated there, and crashes
+        thing.select_set(False)
+    there = {thing.name: thing for thing in context.view_layer.objects[:] if thing}
+    found = [there[name] for name in names if name in there]
     for thing in found:
         thing.select_set(True)
     if found:
