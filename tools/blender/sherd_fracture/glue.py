@@ -7,6 +7,8 @@ from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 from .hulls import corners_of, overlap, overlapping
+from .physics import world_of
+from .scene import limited
 
 
 def contacts_of(manifest):
@@ -19,7 +21,7 @@ def contacts_of(manifest):
 
 def join(world, collection, one, other, area, place, strength):
     """A breakable constraint between two pieces."""
-    empty = bpy.data.objects.new(f"{one.name} - {other.name}"[:60], None)
+    empty = bpy.data.objects.new(limited(f"{one.name} - {other.name}", 0), None)
     empty.empty_display_type, empty.empty_display_size = "PLAIN_AXES", max(area, 1e-12) ** 0.5 / 4
     empty.location = place
     empty["sherd_area"] = area
@@ -33,18 +35,18 @@ def join(world, collection, one, other, area, place, strength):
     return empty
 
 
-def glue(world, above, pieces, manifest, strength):
+def glue(context, above, pieces, manifest, strength):
     """Joins all pieces that touch, in a collection of their own; a generator with a stop after each.  Pieces whose hulls
     overlap would push each other although they do not touch: they are joined as weakly as the weaker of them is anywhere.
     """
-    collection = bpy.data.collections.new(f"{above.name[:55]} glue")
+    collection = bpy.data.collections.new(limited(above.name, 5) + " glue")
     collection["sherd_glue"] = True
     above.children.link(collection)
     of = {piece["sherd_fragment"]: piece for piece in pieces}
     joined, least = set(), {}
     for one, other, area, place in contacts_of(manifest):
         if one in of and other in of:
-            join(world, collection, of[one], of[other], area, place, strength)
+            join(world_of(context), collection, of[one], of[other], area, place, strength)
             joined.add((one, other))
             for each in (one, other):
                 least[each] = min(area, least.get(each, area))
@@ -55,7 +57,7 @@ def glue(world, above, pieces, manifest, strength):
     for one, other in overlapping(at, joined):
         if other:
             place = (of[one].location + of[other].location) / 2
-            hold_apart(world, collection, of[one], of[other], min(least[one], least[other]), place, strength)
+            hold_apart(world_of(context), collection, of[one], of[other], min(least[one], least[other]), place, strength)
         yield
 
 

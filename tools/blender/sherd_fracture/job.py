@@ -191,15 +191,14 @@ class Job:
     def simulate(self, context, manifest):
         """Makes the fragments bodies, and glues them."""
         self.lonely = context.scene.rigidbody_world is None
-        world = world_of(context)
-        if world is None:
+        if world_of(context) is None:
             self.notes.append("this scene may not have rigid bodies; the fragments are plain objects")
             return
         for fragment in self.fragments:
-            make_body(world, fragment, self.choices)
+            make_body(world_of(context), fragment, self.choices)  # anew: undo between steps may replace the world
             yield
         if self.choices.glue:
-            yield from glue(world, self.collection, self.fragments, manifest, self.choices.strength)
+            yield from glue(context, self.collection, self.fragments, manifest, self.choices.strength)
 
     def move_glue(self, context, manifest):
         """Gives the glue of an object that is a piece itself to its fragments."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from .arrays import read
 from .attributes import mark_faces
+from .scene import limited
 
 
 class Splits:
@@ -57,7 +58,7 @@ def nest(collection, pieces, splits, shown):
         home = collection
         for split in chain[:shown]:
             if split not in made:
-                made[split] = bpy.data.collections.new(f"{collection.name[:45]} split {split}")
+                made[split] = bpy.data.collections.new(limited(collection.name, 12) + f" split {split}")
                 made[split]["sherd_level"] = splits.splits[split]["level"]
                 home.children.link(made[split])
             home = made[split]

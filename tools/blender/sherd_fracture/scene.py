@@ -19,14 +19,17 @@ def discard(collection):
     """Removes a fracture: its pieces with their meshes, its glue, and the collections that hold them."""
     if collection is None:
         return
-    for child in collection.children[:]:
-        discard(child)
-    for thing in collection.objects[:]:
+    for thing in sorted(collection.all_objects[:], key=lambda thing: "sherd_area" not in thing):  # glue first: it has pieces
+        if "sherd_fragment" not in thing and "sherd_area" not in thing:  # the user's
+            if thing.name not in bpy.context.scene.collection.objects:
+                bpy.context.scene.collection.objects.link(thing)
+            continue
         mesh = thing.data
         bpy.data.objects.remove(thing)
         if mesh and not mesh.users:
             bpy.data.meshes.remove(mesh)
-    bpy.data.collections.remove(collection)
+    for each in [*collection.children_recursive, collection]:
+        bpy.data.collections.remove(each)
 
 
 def discard_previews(name):
