@@ -12,44 +12,54 @@ import bpy
 import numpy as np
 
 from .diagnosis import counted, sentences
-from .export_mesh import DENSITY, Source
+from .export_mesh import Source
 from .failure import Failure
 from .glue import glue, move
 from .import_mesh import INSIDE_COLOR, Piece, material
 from .levels import Splits, mark, nest
+from .options import options
 from .physics import leave_world, make_body, remove_world, world_of
 from .program import arguments_of, environment, preference, program
 from .progress import Progress
-from .scene import discard, discard_previews, homes, limited
+from .scene import discard, discard_previews, file_name, homes, limited
 from .weights import density_of
-
-ADAPTIVITY = 0.05  # voxels: of the smooth surface, where the exact one fails
-PREVIEW = 32  # voxels along the longest side
 
 
 class Job:
     """One run of sherd for one object: started by the constructor; fetch() makes the fragments, close() cleans up.  Objects
-    are known by name, since an undo step would leave pointers to nothing.
+    are known by name and library, since an undo step would leave pointers to nothing.
     """
 
-    def __init__(self, context, name, choices, position=None, folder=""):
-        self.name, self.choices, self.position = name, choices, position
+    def __init__(self, context, key, choices, position=None, folder=""):
+        """key: as of scene.key_of()"""
+        self.key, self.name, self.choices, self.position = key, key[0], choices, position
         self.process = self.scratch = self.collection = None
         self.fragments, self.complete, self.notes, self.lonely = [], False, [], False
         self.progress, self.expected = Progress(), 0
         self.deadline = time.monotonic() + preference(context, "timeout", 600)
         binary = program(context)
-        self.scratch = tempfile.mkdtemp(prefix="sherd-")
-        self.shown = False
+        self.kept, self.shown, self.inside = bool(folder), False, choices.inside_material
         try:
-            self.shown = self.show(context)
-            self.kept = bool(folder)
+            self.scratch = tempfile.mkdtemp(prefix="sherd-")
             self.out = bpy.path.abspath(folder) if self.kept else os.path.join(self.scratch, "out")
-            self.inside = choices.inside_material
+            self.shown = self.show(context)
             self.export(context)
+        except OSError as error:
+            self.close()
+            raise Failure(f"the mesh of {self.name} cannot be written to {self.scratch or tempfile.gettempdir()} "
+                          f"({error.strerror})") from None
+        except BaseException:
+            self.close()
+            raise
+        self.start(binary)
+
+    def start(self, binary):
+        """Starts the program."""
+        choices = self.choices
+        try:
             command = [binary, "fracture", self.mesh, "-o", self.out, "--write", "labels,vdb,mesh" if self.kept else
                        "mesh", "--json", "--progress", "--source-faces", *arguments_of(binary),
-                       *options(choices, position, self.weighted)]
+                       *options(choices, self.position, self.weighted)]
             with open(self.path("report"), "wb") as report, open(self.path("errors"), "wb") as errors:
                 self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=report, stderr=errors,
                                                 env=environment(binary))
@@ -69,7 +79,7 @@ class Job:
 
     @property
     def thing(self):
-        found = bpy.data.objects.get(self.name)
+        found = bpy.data.objects.get(self.key)
         if found is None:
             raise Failure(f"{self.name} is gone; it was removed or renamed while sherd was breaking it")
         return found
@@ -93,8 +103,7 @@ class Job:
         try:
             if mesh is None or not mesh.polygons:
                 raise Failure(f"{thing.name} has no faces to break")
-            stem = "".join(c if c.isalnum() or c in "-_." else "_" for c in thing.name)
-            self.mesh = self.path(stem + ".ply")
+            self.mesh = self.path(file_name(thing.name) + ".ply")
             self.materials = [m and m.original for m in mesh.materials]
             for i, slot in enumerate(thing.material_slots):
                 if slot.link == "OBJECT" and i < len(self.materials):
@@ -132,7 +141,7 @@ class Job:
 
     def messages(self):
         """Returns the error and the warnings of sherd, with the object's name in place of the temporary file's."""
-        with open(self.path("errors"), errors="replace") as file:
+        with open(self.path("errors"), encoding="utf-8", errors="replace") as file:
             text = file.read().replace(self.mesh, self.thing.name).replace(os.path.basename(self.mesh), self.thing.name)
         warnings = [line[15:].strip() for line in text.splitlines() if line.startswith("sherd: warning:")]
         errors = [line[6:].strip() for line in text.splitlines()
@@ -245,10 +254,12 @@ class Job:
         fragment.color, fragment.pass_index = thing.color, thing.pass_index
         if thing.parent is None:
             return
-        fragment.parent, fragment.parent_type, fragment.parent_bone = thing.parent, thing.parent_type, thing.parent_bone
+        deforms = thing.parent_type in ("ARMATURE", "LATTICE")  # which is applied: pieces follow as rigid things
+        fragment.parent, fragment.parent_type = thing.parent, "OBJECT" if deforms else thing.parent_type
+        fragment.parent_bone = thing.parent_bone
         if thing.parent_type in ("VERTEX", "VERTEX_3"):
             fragment.parent_vertices = thing.parent_vertices
-        moved = (thing.parent.matrix_world if thing.parent_type == "OBJECT" else
+        moved = (thing.parent.matrix_world if fragment.parent_type == "OBJECT" else
                  thing.matrix_world @ (thing.matrix_parent_inverse @ thing.matrix_basis).inverted_safe())
         fragment.matrix_parent_inverse = moved.inverted_safe()
 
@@ -257,7 +268,9 @@ class Job:
         if not self.choices.preview:
             leave_world(context, self.thing)
         self.thing.hide_set(True)
-        if not self.thing.library:
+        if self.thing.library:
+            self.notes.append(f"{self.name} is of a library: it is hidden in the view, but not in renders")
+        else:
             self.thing.hide_render = True
 
     def close(self):
@@ -278,37 +291,10 @@ class Job:
         """Removes what was made of an object that is not complete."""
         try:
             discard(self.collection)
-            thing = bpy.data.objects.get(self.name)
+            thing = bpy.data.objects.get(self.key)
             if self.shown and thing:
                 thing.hide_set(True)
             if self.lonely:
                 remove_world(bpy.context)
         except (ReferenceError, RuntimeError):
             pass  # an undo step has already removed it
-
-
-def options(choices, position, weighted):
-    """Words for sherd: what the user changed, so that the material decides about the rest.  A preview has the cracks of the
-    final at a low resolution, so lengths in voxels become shares of the object."""
-    resolution = min(choices.resolution, PREVIEW) if choices.preview else choices.resolution
-    words = ["--pieces", choices.pieces, "--resolution", resolution, "--seed", choices.seed,
-             "--surface", choices.surface.lower()]
-    if choices.surface == "EXACT":
-        words += ["--adaptivity", ADAPTIVITY]
-    if choices.material != "NONE":
-        words += ["--material", choices.material.lower()]
-    if choices.growth != "AUTO":
-        words += ["--growth", choices.growth.lower()]
-    length = (lambda voxels: f"{100 * voxels / choices.resolution:.6g}%") if choices.preview else "{:.6g}".format
-    if choices.wear:
-        words += ["--erode-iterations", length(choices.wear)]
-    if choices.roughness > 0:
-        words += ["--roughness", length(choices.roughness)]
-    if weighted:
-        words += ["--density-attribute", DENSITY]
-    if position is not None:
-        parts = [f"{x:.9g}" for x in position] + [str(choices.impact_pieces)]
-        if choices.impact_spread > 0:
-            parts.append(f"{choices.impact_spread:.6g}")
-        words += ["--impact=" + ",".join(parts)]  # one word: it may begin with a minus
-    return [str(word) for word in words]

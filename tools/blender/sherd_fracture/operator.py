@@ -21,17 +21,17 @@ class Breaking:
 
     batch = timer = said = None
     opened = False
-    names, left = (), ()
+    keys, left = (), ()
 
     def prepare(self, context, position=None, struck=None):
         """The work on the selected objects.  An impact under the mouse strikes one of them only."""
-        self.names, self.left = targets(context)
+        self.keys, self.left = targets(context)
         positions = {}
         if self.impact == "CURSOR":
-            positions = dict.fromkeys(self.names, tuple(context.scene.cursor.location))
+            positions = dict.fromkeys(self.keys, tuple(context.scene.cursor.location))
         elif self.impact == "MOUSE":
-            positions = dict.fromkeys([struck] if struck else self.names, tuple(position))
-        return Batch(self.names, self, positions)
+            positions = dict.fromkeys([struck] if struck else self.keys, tuple(position))
+        return Batch(self.keys, self, positions)
 
     def clicked(self):
         """The point of an impact under the mouse that a script gave, or None."""
@@ -58,7 +58,7 @@ class Breaking:
     def open(self, context):
         self.opened = True
         try:
-            self.names, self.left = targets(context)
+            self.keys, self.left = targets(context)
             program(context)
             if self.impact == "MOUSE" and self.clicked() is None:
                 if context.area is None or context.area.type != "VIEW_3D":
@@ -98,7 +98,12 @@ class Breaking:
             self.report({"INFO"}, "no fracture")
             return {"CANCELLED"}
         if event.type == "TIMER":
-            if not self.batch.step(context, EVERY):
+            try:
+                works = self.batch.step(context, EVERY)
+            except BaseException:  # a fault: Blender shows it, and the status bar is free again
+                self.leave(context)
+                raise
+            if not works:
                 self.leave(context)
                 return self.finish(context)
             self.show(context)
@@ -112,7 +117,7 @@ class Breaking:
             return {"CANCELLED"}
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"PASS_THROUGH"}  # the view may be rotated
-        struck, position = first_under(context, event, self.names)
+        struck, position = first_under(context, event, self.keys)
         if position is None:
             self.report({"WARNING"}, "the click missed the object")
             return {"RUNNING_MODAL"}

@@ -4,6 +4,11 @@
 import bpy
 
 
+def key_of(thing):
+    """What finds an object in bpy.data.objects: its name, and the file of its library or None."""
+    return thing.name, thing.library.filepath if thing.library else None
+
+
 def homes(context, thing):
     """The collections of the view layer that hold an object."""
     def shown(layer):
@@ -53,3 +58,8 @@ def select(context, names):
 def limited(name, room):
     """A name truncated so that `room` more bytes fit into Blender's 63."""
     return name.encode()[:63 - room].decode(errors="ignore")
+
+
+def file_name(name):
+    """A name for a file or folder of an object: letters, digits and -_. of its name, of at most 63 bytes."""
+    return limited("".join(c if c.isalnum() or c in "-_." else "_" for c in name), 0)

@@ -5,6 +5,7 @@ import bpy
 from bpy_extras import view3d_utils
 
 from .failure import Failure
+from .scene import key_of
 
 CONVERTIBLE = ("CURVE", "SURFACE", "META", "FONT")
 
@@ -29,18 +30,18 @@ def previewed(thing):
 
 
 def targets(context):
-    """Names of the objects to break, and sentences about those that are left out."""
-    names, left = [], []
+    """Keys of the objects to break, see scene.key_of(), and sentences about those that are left out."""
+    keys, left = [], []
     for thing in context.selected_objects:
         thing = previewed(thing) or thing
         reason = flaw(thing)
         if reason:
             left.append(reason)
-        elif thing.name not in names:
-            names.append(thing.name)
-    if not names:
+        elif key_of(thing) not in keys:
+            keys.append(key_of(thing))
+    if not keys:
         raise Failure(left[0] if left else "nothing is selected; select the mesh object to break")
-    return names, left
+    return keys, left
 
 
 def point_under(context, region, view, at, thing):
@@ -53,14 +54,14 @@ def point_under(context, region, view, at, thing):
     return evaluated.matrix_world @ position if hit else None
 
 
-def first_under(context, event, names):
+def first_under(context, event, keys):
     """Of these objects the one under the mouse that is nearest to the eye, and the point; None, None beside all."""
     for region in context.area.regions:
         at = event.mouse_x - region.x, event.mouse_y - region.y
         if region.type != "WINDOW" or not (0 <= at[0] < region.width and 0 <= at[1] < region.height):
             continue
         eye = view3d_utils.region_2d_to_origin_3d(region, region.data, at)
-        hits = [(name, point_under(context, region, region.data, at, bpy.data.objects[name])) for name in names]
-        hits = [(name, position) for name, position in hits if position]
+        hits = [(key, point_under(context, region, region.data, at, bpy.data.objects[key])) for key in keys]
+        hits = [(key, position) for key, position in hits if position]
         return min(hits, key=lambda hit: (hit[1] - eye).length, default=(None, None))
     return None, None

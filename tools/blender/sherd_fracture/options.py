@@ -1,0 +1,34 @@
+# Copyright (C) 2026 The Sherd authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The user's choices as options of `sherd fracture`."""
+from .export_mesh import DENSITY
+
+ADAPTIVITY = 0.05  # voxels: of the smooth surface, where the exact one fails
+PREVIEW = 32  # voxels along the longest side
+
+
+def options(choices, position, weighted):
+    """Words for sherd: what the user changed, so that the material decides about the rest.  A preview has the cracks of the
+    final at a low resolution, so lengths in voxels become shares of the object."""
+    resolution = min(choices.resolution, PREVIEW) if choices.preview else choices.resolution
+    words = ["--pieces", choices.pieces, "--resolution", resolution, "--seed", choices.seed,
+             "--surface", choices.surface.lower()]
+    if choices.surface == "EXACT":
+        words += ["--adaptivity", ADAPTIVITY]
+    if choices.material != "NONE":
+        words += ["--material", choices.material.lower()]
+    if choices.growth != "AUTO":
+        words += ["--growth", choices.growth.lower()]
+    length = (lambda voxels: f"{100 * voxels / choices.resolution:.6g}%") if choices.preview else "{:.6g}".format
+    if choices.wear:
+        words += ["--erode-iterations", length(choices.wear)]
+    if choices.roughness > 0:
+        words += ["--roughness", length(choices.roughness)]
+    if weighted:
+        words += ["--density-attribute", DENSITY]
+    if position is not None:
+        parts = [f"{x:.9g}" for x in position] + [str(choices.impact_pieces)]
+        if choices.impact_spread > 0:
+            parts.append(f"{choices.impact_spread:.6g}")
+        words += ["--impact=" + ",".join(parts)]  # one word: it may begin with a minus
+    return [str(word) for word in words]
