@@ -260,6 +260,34 @@ assert archive.read("65539") == b"x"
             0);
 }
 
+// The bytes of each file begin at a multiple of the alignment, and readers skip what is between.
+TEST_F(StoredFiles, AreAlignedInAnArchive) {
+  for (const std::uint64_t alignment : {1, 64, 4096}) {
+    std::string bytes;
+    ZipWriter zip([&](std::string_view more) { bytes += more; }, alignment);
+    for (std::size_t length = 1; length <= 130; ++length) {  // every remainder of 64, twice
+      zip.add(packed(std::string(length, 'n'), false,
+                     [&](const ByteSink& sink) { sink(noise(length, length)); }));
+      EXPECT_EQ(zip.offset(), bytes.size());
+      EXPECT_EQ((bytes.size() - length) % alignment, 0u) << length;
+    }
+    zip.add(packed("gr\u00f6\u00dfe", false, [](const ByteSink& sink) { sink("one"); }));
+    zip.finish();
+    AtomicFile file(folder_ / "aligned.zip");
+    file.write(bytes);
+    file.commit();
+    EXPECT_EQ(runPython(R"(
+import sys, zipfile
+archive = zipfile.ZipFile(sys.argv[1])
+assert archive.testzip() is None
+assert archive.namelist() == ["n" * i for i in range(1, 131)] + ["gr\u00f6\u00dfe"]
+assert [i.file_size for i in archive.infolist()] == [*range(1, 131), 3]
+)",
+                        folder_ / "aligned.zip"),
+              0);
+  }
+}
+
 // An archive of an earlier run that is longer than 4 GiB grows.
 TEST_F(StoredFiles, AreAddedToALargeArchiveOfAnEarlierRun) {
   const std::uint64_t zeros = (std::uint64_t{4} << 30) + 5;

@@ -26,6 +26,7 @@ constexpr std::uint16_t kDay = 0x0021, kTime = 0;
 constexpr std::uint16_t kVersion = 20;    // 2.0, which every reader supports
 constexpr std::uint16_t kVersion64 = 45;  // 4.5: 64-bit sizes and offsets
 constexpr std::uint16_t kStored = 0, kDeflated = 8;
+constexpr std::uint16_t kUtf8 = 1 << 11;  // of names, which are else code page 437
 constexpr std::uint64_t kLargest32 = 0xffffffffu, kLargest16 = 0xffffu;
 
 std::uint32_t in32(std::uint64_t n, bool wide) {
@@ -83,11 +84,31 @@ std::string extraField(std::initializer_list<std::uint64_t> wide) {
   return bytes;
 }
 
+constexpr std::uint64_t kLocalBytes = 30;  // of a local header without name and extra fields
+
+// Returns an extra field of padding, so that what follows it begins at a multiple of `alignment`.
+//   at  offset of what would follow without it
+std::string paddingField(std::uint64_t at, std::uint64_t alignment) {
+  constexpr std::uint16_t kPadding = 0x1986;  // as Pixar's own writer of USDZ names it
+  constexpr std::uint64_t kHeader = 4;
+  if (at % alignment == 0) return {};
+  const std::uint64_t zeros = (alignment - (at + kHeader) % alignment) % alignment;
+  std::string bytes;
+  storeLittle(bytes, kPadding);
+  storeLittle(bytes, static_cast<std::uint16_t>(zeros));
+  return bytes.append(zeros, '\0');
+}
+
+bool isAscii(std::string_view text) {
+  return std::all_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+}
+
 // Stores the fields that the local and the central header share.
 void storeHeader(std::string& to, const PackedFile& file, std::uint64_t bytes, bool wideSizes,
                  bool wide, std::size_t extra) {
   storeLittle(to, wide ? kVersion64 : kVersion);
-  storeLittle(to, std::uint16_t{0});  // flags
+  storeLittle(to, isAscii(file.name) ? std::uint16_t{0} : kUtf8);  // flags
   storeLittle(to, file.deflated ? kDeflated : kStored);
   storeLittle(to, kTime);
   storeLittle(to, kDay);
@@ -132,15 +153,20 @@ void ZipWriter::add(const PackedFile& file) {
 
 void ZipWriter::begin(const PackedFile& file, std::uint64_t size) {
   const bool wide = std::max(file.size, size) >= kLargest32;
-  const std::string extra = wide ? extraField({file.size, size}) : std::string();
+  std::string extra = wide ? extraField({file.size, size}) : std::string();
+  extra += paddingField(offset_ + kLocalBytes + file.name.size() + extra.size(), alignment_);
   std::string local("PK\x03\x04", 4);
   storeHeader(local, file, size, wide, wide, extra.size());
   local += file.name + extra;
   sink_(local);
-  note(file, size);
+  note(file, size, extra.size());
 }
 
 void ZipWriter::note(const PackedFile& file, std::uint64_t size) {
+  note(file, size, std::max(file.size, size) >= kLargest32 ? 20 : 0);
+}
+
+void ZipWriter::note(const PackedFile& file, std::uint64_t size, std::size_t localExtra) {
   const bool wideSizes = std::max(file.size, size) >= kLargest32;
   const bool wideOffset = offset_ >= kLargest32;
   const std::string extra = wideSizes && wideOffset ? extraField({file.size, size, offset_})
@@ -156,8 +182,7 @@ void ZipWriter::note(const PackedFile& file, std::uint64_t size) {
   storeLittle(directory_, std::uint32_t{0});  // external attributes
   storeLittle(directory_, in32(offset_, wideOffset));
   directory_ += file.name + extra;
-  constexpr std::uint64_t kLocalBytes = 30;
-  offset_ += kLocalBytes + file.name.size() + (wideSizes ? 20 : 0) + size;
+  offset_ += kLocalBytes + file.name.size() + localExtra + size;
   ++count_;
 }
 

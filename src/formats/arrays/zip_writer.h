@@ -26,7 +26,9 @@ struct PackedFile {
 /// Writes a ZIP file, one packed file after another; uses ZIP64 where 32 bits are too few.
 class ZipWriter {
  public:
-  explicit ZipWriter(ByteSink sink) : sink_(std::move(sink)) {}
+  ///   alignment  of each added file's bytes in the output, as USDZ needs 64; 1: none
+  explicit ZipWriter(ByteSink sink, std::uint64_t alignment = 1)
+      : sink_(std::move(sink)), alignment_(alignment) {}
 
   void add(const PackedFile& file);
 
@@ -47,7 +49,11 @@ class ZipWriter {
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
 
  private:
+  // Records a file behind a local header with `localExtra` bytes of extra fields.
+  void note(const PackedFile& file, std::uint64_t size, std::size_t localExtra);
+
   ByteSink sink_;
+  std::uint64_t alignment_;
   std::string directory_;
   std::uint64_t offset_ = 0;
   std::uint64_t count_ = 0;
