@@ -21,6 +21,12 @@ enum class VdbFiles {
   both,
 };
 
+/// Formats of scenes in Pixar's Universal Scene Description.
+enum class UsdFormat {
+  usda,  ///< text, beside its textures
+  usdz,  ///< an archive with the text and the textures
+};
+
 /// The type of vertices in `.ply`.
 enum class Precision {
   single,
@@ -41,6 +47,7 @@ struct WriteOptions {
   bool scene = false;        ///< scene.glb: a node for each fragment, its origin the center of mass
   bool graph = false;        ///< graph.json and graph.geo
   bool viewer = false;       ///< viewer.html, see viewerOf
+  bool usd = false;          ///< scene.usda, or other formats by usdFormats
   bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
   bool proxy = false;        ///< proxies/STEM_001.obj, convex hulls
 
@@ -51,6 +58,12 @@ struct WriteOptions {
 
   std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, no duplicates
   std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, no duplicates
+
+  std::vector<UsdFormat> usdFormats{UsdFormat::usda};  ///< not empty, no duplicates
+  bool usdVolumes = false;     ///< with `vdb`: scene.usda refers to the level sets
+  double jointStrength = 1.0;  ///< force that breaks a joint of scene.usda, per unit of its
+                               ///< contact's area, above 0
+  double metersPerUnit = 1.0;  ///< of scene.usda, above 0
 
   PointOptions points{};     ///< points/STEM_001.ply if count > 0; `seed` must be 0: each
                              ///< fragment's is derived from the fracture's
@@ -65,19 +78,20 @@ struct WriteOptions {
   bool sourceFaces = false;  ///< the face of the input on which each face of meshes/STEM_001.ply
                              ///< lies, see sourceFaces; not of volumes
 
-  char up = 'y';  ///< the mesh's axis that points up in images: 'x', 'y' or 'z'
+  char up = 'y';  ///< the mesh's axis that points up in images and scene.usda: 'x', 'y' or 'z';
+                  ///< not 'x' in scene.usda
 
   bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
 
   /// Whether a file is written that needs Fragment::mesh.  Points do not.
   bool needsMeshes() const {
-    return mesh || preview || boundaries || scene || graph || viewer || proxy ||
+    return mesh || preview || boundaries || scene || usd || graph || viewer || proxy ||
            distances.count > 0 || correspondences > 0;
   }
 
   /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
   bool needsAllMeshes() const {
-    return boundaries || scene || viewer || distances.count > 0 || correspondences > 0 ||
+    return boundaries || scene || usd || viewer || distances.count > 0 || correspondences > 0 ||
            (needsMeshes() && points.count > 0 && sharePoints);
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }

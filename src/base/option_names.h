@@ -23,6 +23,7 @@ inline constexpr const char* kPointSampler[] = {"uniform", "halton", "poisson"};
 inline constexpr const char* kPointRule[] = {"area", "per-triangle"};
 inline constexpr const char* kPointFormat[] = {"ply", "xyz", "npz", "binp"};
 inline constexpr const char* kMeshFileFormat[] = {"ply", "obj", "glb", "stl", "stl-ascii", "binm"};
+inline constexpr const char* kUsdFormat[] = {"usda", "usdz"};
 inline constexpr const char* kVoxelFormat[] = {"rle", "npy", "npz", "vox", "qstack", "bing"};
 inline constexpr const char* kVdbFiles[] = {"files", "single", "both"};
 inline constexpr const char* kPrecision[] = {"single", "double"};

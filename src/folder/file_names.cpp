@@ -18,16 +18,19 @@ std::vector<std::string> meshNames(const std::string& name, const WriteOptions& 
   return names;
 }
 
-// Adds the files to which .obj and .ply files refer; a .glb embeds its textures.
+// Adds the files to which .obj, .ply and .usda files refer; a .glb embeds its textures.
 void addMaterialFiles(FractureFiles& files, const std::string& stem, const MaterialTable& table,
                       const WriteOptions& write) {
   const auto wanted = [&](MeshFileFormat format) {
     return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
            write.meshFormats.end();
   };
-  if (write.plainMeshes) return;
-  if (wanted(MeshFileFormat::obj)) files.materials = "meshes/" + withoutBlanks(stem) + ".mtl";
-  if (!wanted(MeshFileFormat::obj) && !wanted(MeshFileFormat::ply)) return;
+  const bool hasPlainUsd = write.usd && std::find(write.usdFormats.begin(), write.usdFormats.end(),
+                                                  UsdFormat::usda) != write.usdFormats.end();
+  const bool hasObj = write.mesh && wanted(MeshFileFormat::obj) && !write.plainMeshes;
+  const bool hasPly = write.mesh && wanted(MeshFileFormat::ply) && !write.plainMeshes;
+  if (hasObj) files.materials = "meshes/" + withoutBlanks(stem) + ".mtl";
+  if (!hasObj && !hasPly && !hasPlainUsd) return;
   for (const MaterialTable::Image& image : table.textures) {
     files.textures.push_back("meshes/" + image.file);
   }
@@ -78,12 +81,16 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
   if (write.solid && write.vdb) files.solidVdb = "fragments/" + stem + ".vdb";
   if (write.solid && write.mesh) files.solidMesh = meshNames("meshes/" + stem, write);
   if (write.scene) files.scene = "scene.glb";
+  for (const UsdFormat format : write.usdFormats) {
+    if (write.usd)
+      files.usd.push_back(std::string("scene.") + names::of(names::kUsdFormat, format));
+  }
   if (write.graph) {
     files.graph = "graph.json";
     files.constraints = "graph.geo";
   }
   if (write.viewer) files.viewer = "viewer.html";
-  if (write.mesh) addMaterialFiles(files, stem, table, write);
+  addMaterialFiles(files, stem, table, write);
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";
   if (write.correspondences > 0) files.correspondences = "correspondences.npz";
   for (const VoxelFormat format : write.voxelFormats) {

@@ -43,7 +43,7 @@ bool hasSourceFaces(const WriteOptions& write) {
 
 FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
     : source_(source), options_(write), table_(materialTable(source.appearance)) {
-  const bool hasMeshes = write.mesh || write.scene || write.viewer;
+  const bool hasMeshes = write.mesh || write.scene || write.usd || write.viewer;
   const bool hasFaces =
       hasSourceFaces(write) && !source.mesh.triangles.empty() && !isVolumeName(source.name);
   if ((hasMeshes && !source.mesh.attributes.empty()) || hasFaces) {
@@ -81,7 +81,7 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       result_(result),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
               result.solid, writer.options()),
-      attributes_(files.scene.empty() && files.viewer.empty() ? 0 : result.kept()),
+      attributes_(files.scene.empty() && files.usd.empty() && files.viewer.empty() ? 0 : result.kept()),
       previews_(files.preview.empty() ? 0 : result.kept()) {}
 
 std::span<const Fragment> FractureWriting::kept() const {
@@ -171,6 +171,9 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
   }
   throwIfCancelled(progress);
   if (!files_.scene.empty()) meshes_.writeScene(kept(), attributes_, files_.scene);
+  if (!files_.usd.empty()) {
+    meshes_.writeUsd(kept(), attributes_, result_.labels.splits, files_, progress);
+  }
   if (!files_.viewer.empty()) {
     warnings = writeViewer(folder_ / files_.viewer, writer_, result_, attributes_,
                            ViewerOptions{}.maxBytes, progress);
@@ -215,6 +218,9 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
                 "seeds of points and distances are derived from the fracture's; do not set them");
   }
   checkPointOptions(write.points);
+  if (write.usd && write.up == 'x') {
+    throw Error(ErrorCode::usage, "the axis that points up in a USD scene is y or z");
+  }
   const SurfaceOptions& surface = options.surface;
   const Iterations& smoothed = surface.smooth.boundaryIterations;
   const bool isSmoothed =

@@ -194,6 +194,7 @@ void addFiles(Json& manifest, const FractureFiles& files) {
   if (!solid.empty()) manifest["solid"] = std::move(solid);
   if (!files.allVdb.empty()) manifest["vdb"] = files.allVdb;
   if (!files.scene.empty()) manifest["scene"] = files.scene;
+  if (!files.usd.empty()) manifest["usd"] = pathsJson(files.usd);
   if (!files.graph.empty()) manifest["graph"] = files.graph;
   if (!files.viewer.empty()) manifest["viewer"] = files.viewer;
   if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
@@ -223,6 +224,7 @@ std::vector<std::string> FractureFiles::all() const {
       list.insert(list.end(), ofOne.begin(), ofOne.end());
     }
   }
+  list.insert(list.end(), usd.begin(), usd.end());
   for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds,
                                   boundaries, cost, scene, graph, constraints, viewer}) {
     if (!file.empty()) list.push_back(file);

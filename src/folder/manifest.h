@@ -37,6 +37,7 @@ struct FractureFiles {
   std::string boundaries;
   std::string cost;
   std::string scene;
+  std::vector<std::string> usd;  ///< [formats] or empty
   std::string graph;
   std::string constraints;
   std::string viewer;

@@ -1,9 +1,13 @@
 // Writes the meshes of a fracture with the surface attributes of the input mesh.
 #include "folder/mesh_writer.h"
 
+#include <algorithm>
+
 #include "appearance/source_faces.h"
 #include "folder/file_names.h"
+#include "folder/split_parents.h"
 #include "formats/mesh/piece_mesh.h"
+#include "formats/mesh/usd.h"
 
 namespace sherd {
 
@@ -19,7 +23,7 @@ MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
       input_{source, groupNames(source)},
       library_(std::filesystem::path(files.materials).filename().string()),
       stem_(safeName(source.stem, "piece")) {
-  if (files.mesh.empty() && files.scene.empty()) return;
+  if (files.mesh.empty() && files.scene.empty() && files.usd.empty()) return;
   if (!files.materials.empty()) (folder / files.materials).write(mtlText(table));
   for (std::size_t i = 0; i < files.textures.size(); ++i) {
     (folder / files.textures[i]).write(table.textures[i].bytes);
@@ -66,6 +70,41 @@ void MeshWriter::writeScene(std::span<const Fragment> fragments,
     nodes.push_back({{names[i], fragment.mesh, attributes[i], table_}, fragment.mass});
   }
   writeSceneGlb(folder_ / path, nodes, options_.density);
+}
+
+void MeshWriter::writeUsd(std::span<const Fragment> fragments,
+                          std::span<const SurfaceAttributes> attributes,
+                          std::span<const Split> splits, const FractureFiles& files,
+                          const Progress* progress) const {
+  std::size_t all = fragments.size();  // withheld ones included
+  for (const Split& split : splits) all = std::max<std::size_t>({all, split.fragment, split.added});
+  const SplitParents parents = parentsOf(splits, all);
+  UsdScene scene{.name = stem_,
+                 .parentOfSplit = parents.ofSplit,
+                 .textureFolder = "meshes/",
+                 .density = options_.density,
+                 .strength = options_.jointStrength,
+                 .metersPerUnit = options_.metersPerUnit,
+                 .up = options_.up};
+  std::vector<std::string> names;
+  for (const Fragment& fragment : fragments) {
+    names.push_back(fragmentName(stem_, static_cast<std::size_t>(fragment.id), fragments.size()));
+  }
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const Fragment& fragment = fragments[i];
+    scene.pieces.push_back(
+        {.id = fragment.id,
+         .piece = {names[i], fragment.mesh, attributes[i], table_},
+         .mass = fragment.mass,
+         .contacts = fragment.contacts,
+         .split = parents.ofFragment[static_cast<std::size_t>(fragment.id - 1)],
+         .volume = options_.usdVolumes && !files.vdb.empty() ? files.vdb[i] : std::string()});
+  }
+  for (std::size_t i = 0; i < files.usd.size(); ++i) {
+    const OutputFile file = folder_ / files.usd[i];
+    if (options_.usdFormats[i] == UsdFormat::usda) writeUsda(file, scene, progress);
+    if (options_.usdFormats[i] == UsdFormat::usdz) writeUsdz(file, scene, progress);
+  }
 }
 
 }  // namespace sherd

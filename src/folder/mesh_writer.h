@@ -39,6 +39,13 @@ class MeshWriter {
   void writeScene(std::span<const Fragment> fragments,
                   std::span<const SurfaceAttributes> attributes, const std::string& path) const;
 
+  /// Writes all fragments as a scene of USD, in all formats.
+  ///   attributes  [fragments] attributesOf their meshes
+  ///   splits      of the fracture, the withheld fragments' included
+  void writeUsd(std::span<const Fragment> fragments, std::span<const SurfaceAttributes> attributes,
+                std::span<const Split> splits, const FractureFiles& files,
+                const Progress* progress) const;
+
  private:
   const OutputFolder& folder_;
   const MaterialTable& table_;

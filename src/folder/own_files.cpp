@@ -60,8 +60,9 @@ std::string stemOf(const Json& manifest, std::size_t fragments, const Names& lis
 WriteOptions everything() {
   WriteOptions write;
   write.seeds = write.boundaries = write.cost = write.solid = write.scene = write.graph = true;
-  write.proxy = write.viewer = true;
+  write.proxy = write.viewer = write.usd = true;
   write.vdbFiles = VdbFiles::both;
+  write.usdFormats = {UsdFormat::usda, UsdFormat::usdz};
   write.voxelFormats = {VoxelFormat::rle, VoxelFormat::npy,    VoxelFormat::npz,
                         VoxelFormat::vox, VoxelFormat::qstack, VoxelFormat::bing};
   write.meshFormats = {MeshFileFormat::ply, MeshFileFormat::obj, MeshFileFormat::glb,
@@ -86,7 +87,9 @@ std::string withoutTriangles(const std::string& name) {
 // The names of all files that a fracture with this stem can have.
 class PossibleNames {
  public:
-  PossibleNames(const std::string& stem, std::size_t fragments) {
+  ///   hasTextures  whatever the stem is
+  PossibleNames(const std::string& stem, std::size_t fragments, bool hasTextures)
+      : hasTextures_(hasTextures || (!stem.empty() && fragments > 0)) {
     SourceMesh source;
     source.stem = stem;
     const FractureFiles files = fileNames(source, fragments, {}, {}, everything());
@@ -102,7 +105,7 @@ class PossibleNames {
 
   bool contains(const std::string& name) const {
     if (all_.contains(name)) return true;
-    return !meshes_.empty() && (isTexture(name) || meshes_.contains(withoutTriangles(name)));
+    return (hasTextures_ && isTexture(name)) || meshes_.contains(withoutTriangles(name));
   }
 
  private:
@@ -111,6 +114,7 @@ class PossibleNames {
     return name.starts_with(kBeside) && isTextureName(name.substr(kBeside.size()));
   }
 
+  const bool hasTextures_;
   Names all_, meshes_;
 };
 
@@ -123,7 +127,7 @@ std::optional<OwnFiles> ownFiles(const Json& manifest) {
   Names listed(files->begin(), files->end());
   std::string stem = stemOf(manifest, fragments, listed);
   if (safeName(stem, "") != stem) stem.clear();
-  const PossibleNames possible(stem, fragments);
+  const PossibleNames possible(stem, fragments, listed.contains("scene.usda"));
   OwnFiles result;
   for (const std::string& file : *files) {
     if (listed.erase(file) == 0) continue;  // a duplicate

@@ -27,6 +27,7 @@ constexpr auto kVdb = [](auto& o) -> auto& { return o.write.vdbOptions; };
 
 bool samplesPoints(R o) { return o.write.points.count > 0; }
 bool samplesDistances(R o) { return o.write.distances.count > 0; }
+bool writesUsd(R o) { return o.write.usd; }
 bool writesVdb(R o) { return o.write.needsLevelSets(); }
 
 const Row kPointRows[]{
@@ -116,9 +117,9 @@ const Row kFileRows[]{
     {.name = "density",
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::density, aboveZero()),
-     .help = "Mass per unit of volume, for masses and inertia in .vdb files and scene.glb",
-     .details = "mass per unit volume: for mass and inertia in `.vdb` files, `scene.glb` "
-                "and `graph.json`",
+     .help = "Mass per unit of volume, for masses and inertia in .vdb files and scenes",
+     .details = "mass per unit volume: for mass and inertia in `.vdb` files, `scene.glb`, "
+                "`scene.usda` and `graph.json`",
      .key = "density",
      .recorded = [](R o) { return o.write.density != 1.0; }},
     {.name = "proxy-gap",
@@ -131,6 +132,36 @@ const Row kFileRows[]{
      .key = "proxy_gap",
      .recorded = [](R o) { return o.write.proxy; },
      .unit = "world units"},
+    {.name = "usd-format",
+     .group = "Files for hosts",
+     .value = V::choices(kWrite, &WriteOptions::usdFormats, names::kUsdFormat),
+     .help = "Files of USD scenes, one or both: text, or an archive with its textures",
+     .details = "files of the scene of `--write usd`: `scene.usda`, text beside its textures; "
+                "`scene.usdz`, an archive with them",
+     .elsewhere = "files"},
+    {.name = "usd-volumes",
+     .group = "Files for hosts",
+     .value = V::flag(kWrite, &WriteOptions::usdVolumes),
+     .help = "The fragments' .vdb files as volumes of scene.usda",
+     .details = "the fragments' `.vdb` files as volumes (OpenVDBAsset) of `scene.usda`, invisible "
+                "until shown",
+     .key = "usd.volumes",
+     .recorded = writesUsd},
+    {.name = "joint-strength",
+     .group = "Files for hosts",
+     .value = V::number(kWrite, &WriteOptions::jointStrength, aboveZero()),
+     .help = "Force that breaks a joint of scene.usda, per unit of its contact's area",
+     .details = "force that breaks a joint of `scene.usda`, per unit of its contact's area: a "
+                "tensile strength in the scene's units",
+     .key = "usd.joint_strength",
+     .recorded = writesUsd},
+    {.name = "meters-per-unit",
+     .group = "Files for hosts",
+     .value = V::number(kWrite, &WriteOptions::metersPerUnit, aboveZero()),
+     .help = "Meters in the mesh's unit, for scene.usda",
+     .details = "meters in the mesh's unit, recorded in `scene.usda`; coordinates stay as they are",
+     .key = "usd.meters_per_unit",
+     .recorded = writesUsd},
     {.name = "vdb",
      .group = "Files for hosts",
      .value = V::choice(kWrite, &WriteOptions::vdbFiles, names::kVdbFiles),
@@ -225,10 +256,11 @@ const Row kFileRows[]{
                  o.write.up = "xyz"[indexOf(text, {"x", "y", "z"})];
                },
                [](R o) { return std::string(1, o.write.up); }},
-     .help = "The mesh's axis that points up in the preview and the viewer",
-     .details = "the mesh's axis that points up in `preview.png` and `viewer.html`",
+     .help = "The mesh's axis that points up in the preview, the viewer and scene.usda",
+     .details = "the mesh's axis that points up in `preview.png` and `viewer.html`, and in "
+                "`scene.usda`, where it is `y` or `z`",
      .key = "up",
-     .recorded = [](R o) { return o.write.preview || o.write.viewer; }},
+     .recorded = [](R o) { return o.write.preview || o.write.viewer || o.write.usd; }},
 };
 
 // Passes of smoothing, in a field of its own once the size of the solid is known.

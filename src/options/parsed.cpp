@@ -272,6 +272,7 @@ constexpr WrittenName kWritten[] = {
     {"fog", [](WriteOptions& w) -> bool& { return w.vdbOptions.fog; }},
     {"solid", [](WriteOptions& w) -> bool& { return w.solid; }},
     {"scene", [](WriteOptions& w) -> bool& { return w.scene; }},
+    {"usd", [](WriteOptions& w) -> bool& { return w.usd; }},
     {"graph", [](WriteOptions& w) -> bool& { return w.graph; }},
     {"viewer", [](WriteOptions& w) -> bool& { return w.viewer; }},
     {"proxy", [](WriteOptions& w) -> bool& { return w.proxy; }},

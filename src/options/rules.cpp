@@ -41,6 +41,11 @@ bool isVdb(const OptionUse& use) {
   return lowerCase(std::filesystem::path(use.input).extension().string()) == ".vdb";
 }
 
+bool hasFormat(const RunOptions& options, UsdFormat format) {
+  const std::vector<UsdFormat>& formats = options.write.usdFormats;
+  return std::find(formats.begin(), formats.end(), format) != formats.end();
+}
+
 bool hasFormat(const RunOptions& options, MeshFileFormat format) {
   const std::vector<MeshFileFormat>& formats = options.write.meshFormats;
   return std::find(formats.begin(), formats.end(), format) != formats.end();
@@ -294,19 +299,39 @@ std::vector<Rule> formatRules() {
       {{"density"},
        Verdict::idle,
        [](O o, U) {
-         return !writes(o, {"vdb", "scene", "graph"});
+         return !writes(o, {"vdb", "scene", "usd", "graph"});
        },
-       "does nothing without vdb, scene or graph in {write}"},
+       "does nothing without vdb, scene, usd or graph in {write}"},
       {{"proxy-gap"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"proxy"}); },
        "does nothing without proxy in {write}"},
+  };
+}
+
+std::vector<Rule> usdRules() {
+  return {
+      {{"usd-format", "usd-volumes", "joint-strength", "meters-per-unit"},
+       Verdict::idle,
+       [](O o, U) { return !writes(o, {"usd"}); },
+       "does nothing without usd in {write}"},
+      {{"usd-volumes"},
+       Verdict::idle,
+       [](O o, U) {
+         const bool hasFiles = writes(o, {"vdb"}) && o.write.vdbFiles != VdbFiles::single;
+         return writes(o, {"usd"}) && (!hasFiles || !hasFormat(o, UsdFormat::usda));
+       },
+       "does nothing without vdb in {write}, a file for each fragment, and usda in {usd-format}"},
       {{"up"},
        Verdict::idle,
        [](O o, U u) {
-         return !u.isDataset && !writes(o, {"preview", "viewer"});
+         return !u.isDataset && !writes(o, {"preview", "viewer", "usd"});
        },
-       "does nothing without preview or viewer in {write}"},
+       "does nothing without preview, viewer or usd in {write}"},
+      {{"up"},
+       Verdict::conflict,
+       [](O o, U) { return writes(o, {"usd"}) && o.write.up == 'x'; },
+       "x cannot point up in USD's scenes, which {write} names; choose y or z"},
   };
 }
 
@@ -348,7 +373,7 @@ std::vector<Rule> pointRules() {
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> kRules =
       joined({solidRules(), seedRules(), growthRules(), sizeRules(), erosionRules(), surfaceRules(),
-              formatRules(), writeRules(), pointRules()});
+              formatRules(), usdRules(), writeRules(), pointRules()});
   return kRules;
 }
 

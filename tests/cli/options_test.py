@@ -436,7 +436,9 @@ MATTERS = {
     "--correspondences": ((), "5", "6"), "--sdf-samples": ((), "5", "6"), "--sdf-type": (("--sdf-samples", "5"), "float32", "float16"),
     "--vdb": (("--write", "vdb"), "files", "single"), "--half": (("--write", "vdb"), None, ()), "--compress": (("--write", "vdb"), "blosc", "zip"),
     "--vdb-compress": (("--write", "vdb"), "blosc", "none"), "--density": (("--write", "graph"), "1", "2"),
-    "--proxy-gap": (("--write", "proxy"), "0", "0.1"),
+    "--proxy-gap": (("--write", "proxy"), "0", "0.1"), "--usd-format": (("--write", "usd"), "usda", "usdz"),
+    "--usd-volumes": (("--write", "usd,vdb"), None, ()), "--joint-strength": (("--write", "usd"), "1", "2"),
+    "--meters-per-unit": (("--write", "usd"), "1", "0.01"),
     **{f"--erode-{name}": (("--erode-iterations", "1"), one, other) for name, one, other in (
         ("shape", "cross", "square"), ("size", "3", "5"), ("planes", None, ()), ("threshold", "1", "0.9"), ("probability", "1", "0.9"),
         ("on", "fracture", "all"), ("islands", "erode", "keep"))},

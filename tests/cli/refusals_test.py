@@ -86,7 +86,7 @@ class Outputs(CommandLine):
 class Together(CommandLine):
     CONFLICTS = ((("--shell-thickness", "0.1", "--fill", "parity"), "--shell-thickness"),
                  (("--shell-thickness", "0.1", "--fill", "winding"), "--shell-thickness"),
-                 (("--grid", "surface"), "--grid"), (("--isovalue", "0.2"), "--isovalue"),
+                 (("--up", "x", "--write", "usd"), "--up"), (("--grid", "surface"), "--grid"), (("--isovalue", "0.2"), "--isovalue"),
                  (("--points", "5", "--point-sampler", "poisson", "--point-rule", "per-triangle"), "--point-rule"),
                  (("--guide", "x.obj"), "--guide"), (("--density-attribute", "x", "--sampler", "poisson"), "--density-attribute"),
                  (("--density-attribute", "x", "--balance", "1"), "--density-attribute"),
@@ -100,6 +100,7 @@ class Together(CommandLine):
             ("--precision", "double"), ("--precision", "double", "--write", "mesh", "--mesh-format", "glb"),
             ("--plain-meshes",), ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb"), ("--voxel-format", "npy", "--write", "mesh"),
             ("--vdb", "single"), ("--half",), ("--compress", "zip"), ("--density", "2"), ("--proxy-gap", "0.1"), ("--up", "z"),
+            ("--usd-format", "usdz"), ("--usd-volumes",), ("--usd-volumes", "--write", "usd"), ("--joint-strength", "2"), ("--meters-per-unit", "2"),
             ("--write", "labels,fog"), ("--write", "labels,solid"), ("--share-points", "--points", "0"), ("--point-sampler", "halton", "--points", "0"),
             ("--sdf-type", "float16", "--sdf-samples", "0"))
     BUSY = (("--shell-thickness", "0.3"), ("--shell-thickness", "0.3", "--fill", "shell"), ("--metric", "manhattan", "--growth", "nearest"),
@@ -108,7 +109,8 @@ class Together(CommandLine):
             ("--interface", "independent"), ("--smooth-weight", "0.5", "--smooth-iterations", "0.1k"), ("--triangles", "500", "--write", "mesh"),
             ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,obj"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),
             ("--precision", "double", "--write", "mesh"),
-            ("--density", "2", "--write", "graph"), ("--proxy-gap", "0.1", "--write", "proxy"), ("--up", "z", "--write", "preview"),
+            ("--density", "2", "--write", "graph"), ("--proxy-gap", "0.1", "--write", "proxy"), ("--up", "z", "--write", "preview"), ("--up", "z", "--write", "usd"),
+            ("--usd-volumes", "--joint-strength", "2", "--meters-per-unit", "2", "--write", "usd,vdb"),
             ("--points", "5", "--point-sampler", "halton"), ("--preset", "paper"), ("--preset", "training"),
             ("--preset", "paper", "--neighborhood", "26"))
 

@@ -186,16 +186,21 @@ TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
 }
 
 TEST_F(ManifestOptions, OfFilesAreRecorded) {
-  auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, viewer,
+  auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, viewer, usd,
          plainMeshes, proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats, meshFormats,
-         points, sharePoints, pointFormats, distances, correspondences, precision, sourceFaces,
-         up] = write_;
+         usdFormats, usdVolumes, jointStrength, metersPerUnit, points, sharePoints, pointFormats,
+         distances, correspondences, precision, sourceFaces, up] = write_;
   // Which files there are is in the list of files, their formats in their names.
-  for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &graph, &viewer}) {
+  for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &graph, &viewer, &usd}) {
     expectNotRecorded("a file", *file, !*file);
   }
   expectNotRecorded("voxelFormats", voxelFormats, {VoxelFormat::npz});
   expectNotRecorded("meshFormats", meshFormats, {MeshFileFormat::obj});
+  usd = true;
+  expectNotRecorded("usdFormats", usdFormats, {UsdFormat::usdz});
+  expectRecorded("usdVolumes", usdVolumes, true);
+  expectRecorded("jointStrength", jointStrength, 2.0);
+  expectRecorded("metersPerUnit", metersPerUnit, 0.01);
 
   vdb = mesh = preview = true;
   expectRecorded("plainMeshes", plainMeshes, true);

@@ -28,7 +28,7 @@ RunOptions everything() {
   options.write.points.count = 10;
   options.write.distances = {.count = 10, .sigma = 0.5};
   options.write.correspondences = 5;
-  options.write.proxy = true;
+  options.write.proxy = options.write.usd = true;
   options.write.density = 2.0;
   return options;
 }
@@ -140,6 +140,7 @@ TEST(OptionTable, ManifestsAreReadBack) {
       // Whether the .vdb files and meshes are written stands in the list of files.
       RunOptions written = again;
       written.write.proxy = options.write.proxy;
+      written.write.usd = options.write.usd;
       EXPECT_EQ(recordedOptions(written, false).dump(), recorded.dump()) << row.name;
     }
   }
