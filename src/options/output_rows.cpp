@@ -27,6 +27,19 @@ constexpr auto kVdb = [](auto& o) -> auto& { return o.write.vdbOptions; };
 
 bool samplesPoints(R o) { return o.write.points.count > 0; }
 bool samplesDistances(R o) { return o.write.distances.count > 0; }
+// Names what writes .usdc, which the program cannot.
+OptionValue<RunOptions> usdFormats() {
+  OptionValue<RunOptions> value = V::choices(kWrite, &WriteOptions::usdFormats, names::kUsdFormat);
+  value.set = [set = value.set](RunOptions& o, const std::string& text) {
+    const std::vector<std::string> asked = split(text);
+    if (std::find(asked.begin(), asked.end(), "usdc") != asked.end()) {
+      refuseValue(text, "a list of usda, usdz; pysherd.usd makes a .usdc of a .usda");
+    }
+    set(o, text);
+  };
+  return value;
+}
+
 bool writesUsd(R o) { return o.write.usd; }
 bool writesVdb(R o) { return o.write.needsLevelSets(); }
 
@@ -134,7 +147,7 @@ const Row kFileRows[]{
      .unit = "world units"},
     {.name = "usd-format",
      .group = "Files for hosts",
-     .value = V::choices(kWrite, &WriteOptions::usdFormats, names::kUsdFormat),
+     .value = usdFormats(),
      .help = "Files of USD scenes, one or both: text, or an archive with its textures",
      .details = "files of the scene of `--write usd`: `scene.usda`, text beside its textures; "
                 "`scene.usdz`, an archive with them",

@@ -93,6 +93,13 @@ def test_without_pytorch_its_module_says_so():
         import pysherd.torch
 
 
+def test_without_openusd_its_module_says_so():
+    if importlib.util.find_spec("pxr") is not None:
+        pytest.skip("OpenUSD is installed")
+    with pytest.raises(ImportError, match="^pysherd.usd needs OpenUSD, which is not installed: pip install usd-core$"):
+        import pysherd.usd
+
+
 def public():
     """Every public function, class, method and property."""
     for name in pysherd.__all__:
