@@ -33,7 +33,7 @@ folder=$(mktemp -d)
 OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \
   --suppressions=tools/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
   --threads 1 --mesh-format ply,obj,glb,stl --points 10 --sdf-samples 10 --correspondences 5 \
-  --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,graph,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
+  --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,usd,graph,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
 
 echo "== fuzzing the readers, each for five minutes"
@@ -71,6 +71,17 @@ tests/long/slurm.sh build/release/sherd
 echo "== a dataset's report in a browser"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium python3-pil > /dev/null
 tests/long/report.py build/release/sherd
+
+echo "== scenes in USD, by OpenUSD, its validators, NVIDIA's and tinyusdz"
+venv=build/usd/venv
+if [ ! -e "$venv/done" ]; then
+  rm -rf "$venv"
+  python3.11 -m venv "$venv"
+  "$venv/bin/pip" install -q --disable-pip-version-check ${SHERD_USD_WHEELS:+--find-links "$SHERD_USD_WHEELS"} \
+    usd-core==26.11 omniverse-asset-validator==1.18.0 tinyusdz==0.9.4 numpy==2.4.6
+  touch "$venv/done"
+fi
+OCL_ICD_VENDORS=pocl.icd "$venv/bin/python" -B tests/long/usd.py build/release/sherd
 
 echo "== later Blenders, and the extension where there is neither Sherd nor OpenCL"
 tests/long/blender_versions.sh build/release/sherd

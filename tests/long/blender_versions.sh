@@ -29,6 +29,8 @@ for version in "$@"; do
     echo "Blender $version: $tests"
     BLENDER_BIN=$PWD/$venv/bin/python OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B "tests/cli/${tests}_test.py"
   done
+  echo "Blender $version: scenes in USD"
+  BLENDER_BIN=$PWD/$venv/bin/python OCL_ICD_VENDORS=pocl.icd PYTHONPATH=tests/cli /usr/bin/python3 -B tests/long/blender_usd.py
   [ "$python" != python3.11 ] || venvs+=("$venv")
 done
 tools/build_extension.sh build/extension/out
