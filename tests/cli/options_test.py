@@ -413,7 +413,8 @@ MATTERS = {
     "--preset": ((), None, "paper"), "--pieces": ((), "3", "4"), "--seed": ((), "0", "1"), "--resolution": ((), "24", "25"),
     "--voxel-size": ((), "0.1", "0.11"), "--only": ((), "1", "2"), "--split-objects": ((), None, ()),
     "--write": ((), "labels", "labels,seeds"), "--voxel-format": ((), "rle", "npz"), "--mesh-format": (("--write", "mesh"), "ply", "obj"),
-    "--plain-meshes": (("--write", "mesh"), None, ()), "--precision": (("--write", "mesh"), "single", "double"), "--up": (("--write", "preview"), "y", "z"),
+    "--plain-meshes": (("--write", "mesh"), None, ()), "--precision": (("--write", "mesh"), "single", "double"),
+    "--source-faces": (("--write", "mesh"), None, ()), "--up": (("--write", "preview"), "y", "z"),
     "--fill": ((), "winding", "parity"), "--shell-thickness": (("--fill", "shell"), "0.3", "0.4"),
     "--grid": ((), "surface_1", "surface_2"), "--isovalue": ((), "0.4", "0.6"),
     "--sampler": ((), "uniform", "halton"), "--seeds-on": ((), "volume", "surface"), "--extra-seeds": ((), "0", "1n"),
@@ -445,7 +446,8 @@ MATTERS = {
 }
 
 # Where the fracture goes, how it is made, and what is printed: nothing that is written follows from these.
-DOES_NOT_MATTER = {"--output": None, "--config": None, "--device": "cpu", "--threads": "1", "--max-memory": "9G", "--json": (), "--quiet": ()}
+DOES_NOT_MATTER = {"--output": None, "--config": None, "--device": "cpu", "--threads": "1", "--max-memory": "9G", "--json": (), "--quiet": (),
+                   "--progress": ()}
 
 
 class EveryOption(CommandLine):
