@@ -171,10 +171,15 @@ std::vector<std::vector<Contact>> ContactMeasure::contacts(
     std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
     std::span<const LeafNeighbors> neighborhoods) const {
   SurfaceSums all = voxelSurfaces(solid, labels, cut, neighborhoods);
-  // A contact of a few voxels may have no face in the meshes; its voxel faces are used then.
-  for (auto& [pair, sum] : all) {
-    const auto found = measured_.find(pair);
-    if (found != measured_.end()) sum = found->second;
+  // A contact of a few voxels may have no face in the meshes; its voxel faces are used then.  And
+  // fragments whose voxels share only an edge may have faces towards each other.
+  for (const auto& [pair, sum] : measured_) {
+    const auto found = all.find(pair);
+    if (found != all.end()) {
+      found->second = sum;
+    } else if (sum.area > 0.0) {
+      all.emplace(pair, sum);
+    }
   }
   return contactsOf(fragments, all);
 }
