@@ -81,7 +81,8 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       result_(result),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
               result.solid, writer.options()),
-      attributes_(files.scene.empty() && files.usd.empty() && files.viewer.empty() ? 0 : result.kept()),
+      attributes_(files.scene.empty() && files.usd.empty() && files.viewer.empty() ? 0
+                                                                                   : result.kept()),
       previews_(files.preview.empty() ? 0 : result.kept()) {}
 
 std::span<const Fragment> FractureWriting::kept() const {
