@@ -12,13 +12,6 @@ from __future__ import annotations
 import os
 import pathlib
 
-try:
-    from pxr import Sdf, Tf
-except ModuleNotFoundError as _missing:
-    if _missing.name != "pxr":
-        raise
-    raise ImportError("pysherd.usd needs OpenUSD, which is not installed: pip install usd-core") from None
-
 from ._errors import FileError, OutputError
 
 __all__ = ["write_usdc"]
@@ -34,11 +27,19 @@ def write_usdc(file: str | os.PathLike[str]) -> pathlib.Path:
 
     Raises
     ------
+    ImportError
+        usd-core is not installed.
     FileError
         The file is no layer of USD.
     OutputError
         The ``.usdc`` cannot be written.
     """
+    try:
+        from pxr import Sdf, Tf
+    except ModuleNotFoundError as missing:
+        if missing.name != "pxr":
+            raise
+        raise ImportError("pysherd.usd.write_usdc needs OpenUSD, which is not installed: pip install usd-core") from None
     source = pathlib.Path(file)
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(source))

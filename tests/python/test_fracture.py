@@ -79,7 +79,7 @@ def test_saving_writes_what_the_program_writes(tmp_path):
     program(AMPHORA, tmp_path / "program", *arguments_of(options), "--write=labels,vdb,mesh,preview,seeds,scene,graph,viewer", "--points=50")
     f = pysherd.fracture(AMPHORA, **options)
     f.contacts  # measured before: nothing of it is left in what is written
-    f.save(tmp_path / "module", write=["labels", "vdb", "mesh", "preview", "seeds", "scene", "graph"], points=50)
+    f.save(tmp_path / "module", write=["labels", "vdb", "mesh", "preview", "seeds", "scene", "graph", "viewer"], points=50)
     theirs, ours = files_of(tmp_path / "program"), files_of(tmp_path / "module")
     assert theirs.keys() == ours.keys()
     assert [name for name in theirs if theirs[name] != ours[name]] == []

@@ -93,11 +93,13 @@ def test_without_pytorch_its_module_says_so():
         import pysherd.torch
 
 
-def test_without_openusd_its_module_says_so():
+def test_without_openusd_its_function_says_so():
     if importlib.util.find_spec("pxr") is not None:
         pytest.skip("OpenUSD is installed")
-    with pytest.raises(ImportError, match="^pysherd.usd needs OpenUSD, which is not installed: pip install usd-core$"):
-        import pysherd.usd
+    import pysherd.usd
+
+    with pytest.raises(ImportError, match="^pysherd.usd.write_usdc needs OpenUSD, which is not installed: pip install usd-core$"):
+        pysherd.usd.write_usdc("scene.usda")
 
 
 def public():
