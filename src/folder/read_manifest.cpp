@@ -192,8 +192,13 @@ Manifest manifestOf(const Json& json) {
 }
 
 Manifest readManifest(const fs::path& file) {
+  Json json;
+  return readManifest(file, json);
+}
+
+Manifest readManifest(const fs::path& file, Json& json) {
   requireSettled(file);
-  const Json json = readJson(file, kKind, kLargestFile);
+  json = readJson(file, kKind, kLargestFile);
   try {
     return manifestOf(json);
   } catch (const Error& e) {

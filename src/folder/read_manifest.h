@@ -22,6 +22,10 @@ inline constexpr const char* kPartialName = ".sherd-partial";  ///< folder of an
 ///           another type or out of range, ids that are not 1, 2, 3, ..., a file outside the folder
 [[nodiscard]] Manifest manifestOf(const nlohmann::json& json);
 
+/// As readManifest.
+///   json  receives the whole, with the fields that are not read
+[[nodiscard]] Manifest readManifest(const std::filesystem::path& file, nlohmann::json& json);
+
 /// Returns the path of a file listed in a manifest.
 ///   throws  Error(input) a symbolic link on the way leads out of the manifest's folder
 [[nodiscard]] std::filesystem::path listedFile(const std::filesystem::path& manifest,

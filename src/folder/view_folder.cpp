@@ -12,7 +12,6 @@
 
 #include "base/cancel_flag.h"
 #include "base/input_error.h"
-#include "base/parsed_json.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
 #include "folder/viewer_file.h"
@@ -23,8 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-constexpr std::uintmax_t kLargestManifest = std::uintmax_t{1} << 30;  // as readManifest
 
 // ---- Figures.  readManifest has checked what it uses; of the rest what is not as expected is left
 // out, as earlier versions did not write all of it.
@@ -220,8 +217,8 @@ Viewer viewerOf(const fs::path& path, const ViewerOptions& viewer, const ReadOpt
   if (whatIsAt(file) == fs::file_type::not_found) {
     inputError(path, "holds no manifest.json; a fracture's folder is needed");
   }
-  const Manifest manifest = readManifest(file);
-  const Json json = readJson(file, "manifest of a fracture", kLargestManifest);
+  Json json;
+  const Manifest manifest = readManifest(file, json);
   const bool hasMeshes = std::ranges::none_of(
       manifest.fragments, [](const ManifestFragment& fragment) { return fragment.meshes.empty(); });
   ReadMeshes all = hasMeshes ? meshesOf(file, manifest, options.maxMemory, progress)
