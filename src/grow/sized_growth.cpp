@@ -15,6 +15,7 @@
 #include "grow/crack_areas.h"
 #include "grow/metric.h"
 #include "grow/settle.h"
+#include "grow/split_plan.h"
 #include "seed/candidates.h"
 #include "seed/samplers.h"
 #include "seed/sizes.h"
@@ -48,25 +49,16 @@ double fullShare(const ShareOptions& shares, std::size_t fragments, std::uint64_
 
 // Gives each component those of the drawn shares, the largest first, that fill it, and each
 // fragment the share of its rank among those of its component.
-Targets targetsFor(std::vector<double> drawn, const std::vector<std::uint64_t>& counts,
+Targets targetsFor(const std::vector<double>& drawn, const std::vector<std::uint64_t>& counts,
                    const std::vector<std::uint32_t>& componentOf, const VoxelComponents& solid) {
   const std::size_t fragments = counts.size() - 1;
   std::vector<std::vector<std::size_t>> of(solid.count());  // fragments, the largest first
   for (std::size_t id = 1; id <= fragments; ++id) of[componentOf[id]].push_back(id);
-  std::vector<double> room;
-  for (const std::uint64_t voxels : solid.voxels()) room.push_back(static_cast<double>(voxels));
-  const double all = std::accumulate(room.begin(), room.end(), 0.0);
-  std::vector<std::vector<double>> shares(of.size());
-  std::sort(drawn.begin(), drawn.end(), std::greater<>());
-  for (const double share : drawn) {
-    std::size_t best = of.size();
-    for (std::size_t c = 0; c < of.size(); ++c) {
-      if (shares[c].size() == of[c].size()) continue;
-      if (best == of.size() || room[c] > room[best]) best = c;
-    }
-    shares[best].push_back(share);
-    room[best] -= share * all;
-  }
+  const std::vector<double> mass(solid.voxels().begin(), solid.voxels().end());
+  std::vector<std::uint64_t> most;
+  for (const std::vector<std::size_t>& own : of) most.push_back(own.size());
+  std::vector<std::vector<double>> shares = sharesOfComponents(drawn, mass, most);
+  for (std::vector<double>& own : shares) std::sort(own.begin(), own.end(), std::greater<>());
   Targets targets{std::vector<double>(fragments + 1, 0.0), std::vector<double>(fragments + 1, 0.0)};
   for (std::size_t c = 0; c < of.size(); ++c) {
     std::stable_sort(of[c].begin(), of[c].end(),

@@ -116,8 +116,8 @@ std::size_t firstOf(std::span<const double> shares, double fraction) {
 
 std::vector<std::vector<double>> sharesOfComponents(std::span<const double> shares,
                                                     std::span<const double> mass,
-                                                    std::span<const std::uint64_t> voxels) {
-  std::vector<std::vector<double>> all(voxels.size());
+                                                    std::span<const std::uint64_t> most) {
+  std::vector<std::vector<double>> all(most.size());
   if (all.size() == 1) {
     all.front().assign(shares.begin(), shares.end());
     return all;
@@ -136,7 +136,7 @@ std::vector<std::vector<double>> sharesOfComponents(std::span<const double> shar
   for (std::size_t i = 0; i < descending.size(); ++i) {
     const bool onlyEmpty = descending.size() - i <= empty;  // from here on
     const auto isFull = [&](std::size_t c) {
-      return all[c].size() >= voxels[c] || (onlyEmpty && !all[c].empty());
+      return all[c].size() >= most[c] || (onlyEmpty && !all[c].empty());
     };
     while (isFull(missing.top().second)) missing.pop();
     const auto [share, best] = missing.top();

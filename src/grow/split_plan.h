@@ -25,13 +25,15 @@ namespace sherd {
 /// Returns how many of the first shares add up to nearest to a fraction of all, 1 to all but one.
 [[nodiscard]] std::size_t firstOf(std::span<const double> shares, double fraction);
 
-/// Distributes shares to components by their mass, at least one to each and at most one a voxel.
-///   shares  as many as components or more; at most as many as voxels
+/// Distributes shares to components by their mass, at least one to each: the greatest first, each
+/// to the component that lacks most.
+///   shares  as many as components or more; at most the sum of `most`
 ///   mass    [components] of any unit, such as voxels
+///   most    [components] shares, such as voxels
 ///   return  [components] the shares of each
 [[nodiscard]] std::vector<std::vector<double>> sharesOfComponents(
     std::span<const double> shares, std::span<const double> mass,
-    std::span<const std::uint64_t> voxels);
+    std::span<const std::uint64_t> most);
 
 /// The voxels of a set: how many, and the sums of x, y, z and of xx, yy, zz, xy, xz, yz.
 struct VoxelSums {
