@@ -62,6 +62,12 @@ TriangleMesh cube(double side, glm::dvec3 center) {
   return mesh;
 }
 
+TriangleMesh box(glm::dvec3 sides) {
+  TriangleMesh mesh = cube(1.0);
+  for (glm::dvec3& v : mesh.vertices) v = v * sides;
+  return mesh;
+}
+
 double cubeVolume(double side) { return side * side * side; }
 double cubeArea(double side) { return 6.0 * side * side; }
 

@@ -11,8 +11,9 @@ namespace sherd::shapes {
 
 /// Axis-aligned cube: 8 vertices, 12 triangles; the polyhedron is the ideal shape.
 [[nodiscard]] TriangleMesh cube(double side, glm::dvec3 center = glm::dvec3(0.0));
-[[nodiscard]] double cubeVolume(double side);  ///< side^3
-[[nodiscard]] double cubeArea(double side);    ///< 6 side^2
+[[nodiscard]] TriangleMesh box(glm::dvec3 sides);  ///< the same about the origin
+[[nodiscard]] double cubeVolume(double side);      ///< side^3
+[[nodiscard]] double cubeArea(double side);        ///< 6 side^2
 
 /// Ball from a subdivided icosahedron: 20 * 4^subdivisions triangles, every vertex on the sphere.
 [[nodiscard]] TriangleMesh ball(double radius, int subdivisions = 4,

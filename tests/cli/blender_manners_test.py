@@ -80,12 +80,6 @@ class Manners(blender_test.Blender):
     def run_addon(self, script, *more):
         return self.blender(PRELUDE + script, *more)
 
-    def fake(self, name, text):
-        path = self.tmp / name
-        path.write_text("#!/bin/sh\n" + text + "\n")
-        path.chmod(0o755)
-        return path
-
     def test_events_break_two_objects_and_report_those_that_fail(self):
         sherd = os.path.abspath(blender_test.SHERD)
         slow = self.fake("slow", f"""echo '{{"stage": "grow", "fraction": 0.5, "overall": 0.4}}' >&2; sleep 0.5; exec {sherd} "$@" """)

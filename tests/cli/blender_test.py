@@ -131,6 +131,13 @@ class Blender(unittest.TestCase):
             begin = [BLENDER, self.tmp / "start.py"]
         return subprocess.run([*begin, *map(str, words)], capture_output=True, text=True, timeout=300, env=environment)
 
+    def fake(self, name, text):
+        """A program in place of sherd: lines of a shell."""
+        path = self.tmp / name
+        path.write_text("#!/bin/sh\n" + text + "\n")
+        path.chmod(0o755)
+        return path
+
     def blender(self, script, *more):
         """What a script reports."""
         (self.tmp / "script.py").write_text(PRELUDE + script)
@@ -419,12 +426,6 @@ answer(parted=parted, fallen=fallen, asleep=(places(1), places(24)))
         before, after = map(np.array, reported["fallen"])  # half a second at 24 frames a second
         np.testing.assert_allclose((after - before)[:, 2].mean(), -9.81 / 2 * 0.5 ** 2, atol=0.1)
         np.testing.assert_allclose(*reported["asleep"], atol=1e-5)
-
-    def fake(self, name, text):
-        path = self.tmp / name
-        path.write_text("#!/bin/sh\n" + text + "\n")
-        path.chmod(0o755)
-        return path
 
     def test_refusals_are_sentences(self):
         self.fake("interrupted", "kill -INT $$")

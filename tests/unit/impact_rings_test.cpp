@@ -30,11 +30,7 @@ class ImpactRings : public DeviceTest {
 };
 
 // A plate in x and y about the origin, of side 2.
-TriangleMesh plate(double thickness = 0.05) {
-  TriangleMesh mesh = shapes::cube(1.0);
-  for (glm::dvec3& v : mesh.vertices) v = v * glm::dvec3(2.0, 2.0, thickness);
-  return mesh;
-}
+TriangleMesh plate(double thickness = 0.05) { return shapes::box({2.0, 2.0, thickness}); }
 
 std::vector<Seed> seedsOf(const PreparedSolid& on, const std::vector<Impact>& impacts, int pieces,
                           std::uint64_t seed = 3) {

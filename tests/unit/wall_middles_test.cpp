@@ -19,11 +19,7 @@ namespace {
 
 using WallCracks = DeviceTest;
 
-TriangleMesh plate(double thickness) {
-  TriangleMesh mesh = shapes::cube(1.0);
-  for (glm::dvec3& v : mesh.vertices) v = v * glm::dvec3(2.0, 2.0, thickness);
-  return mesh;
-}
+TriangleMesh plate(double thickness) { return shapes::box({2.0, 2.0, thickness}); }
 
 // A tube about the z axis with flat ends.
 TriangleMesh tube(double outer, double inner, double length) {

@@ -19,11 +19,7 @@ namespace {
 
 using WallSeeds = DeviceTest;
 
-TriangleMesh plateOf(double thickness) {
-  TriangleMesh mesh = shapes::cube(1.0);
-  for (glm::dvec3& v : mesh.vertices) v = v * glm::dvec3(2.0, 2.0, thickness);
-  return mesh;
-}
+TriangleMesh plateOf(double thickness) { return shapes::box({2.0, 2.0, thickness}); }
 
 // The level set is linear between voxels, so thicknesses are good to a tenth of a voxel.
 TEST(Walls, OfAPlateHaveItsThicknessAndMiddle) {
