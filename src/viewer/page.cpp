@@ -278,10 +278,17 @@ std::vector<std::string> limitTextures(ViewerScene& scene, std::uint64_t maxByte
 
 // Leaves out textures that browsers do not show.
 void dropForeignTextures(ViewerScene& scene) {
+  std::vector<Texture> kept;
+  std::vector<int> number;  // [textures] in `kept`
+  for (Texture& texture : scene.textures) {
+    const bool isShown = imageType(texture.bytes) != ImageType::other;
+    number.push_back(isShown ? static_cast<int>(kept.size()) : -1);
+    if (isShown) kept.push_back(std::move(texture));
+  }
+  scene.textures = std::move(kept);
   for (ViewerScene::Material& material : scene.materials) {
-    if (material.texture < 0) continue;
-    const Texture& texture = scene.textures[static_cast<std::size_t>(material.texture)];
-    if (imageType(texture.bytes) == ImageType::other) material.texture = -1;
+    if (material.texture >= 0)
+      material.texture = number[static_cast<std::size_t>(material.texture)];
   }
 }
 

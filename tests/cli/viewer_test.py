@@ -258,17 +258,26 @@ class Safe(Viewer):
                 for side in (np.min, np.max):  # no vertex moves out of its cell
                     np.testing.assert_allclose(side(piece.positions, axis=0), side(whole.pieces[id].positions, axis=0), atol=cell)
 
-    def test_textures_that_fill_the_page_are_left_out(self):
-        noise = self.path("noise.png", PICTURE + bytes(300_000))
-        self.path("ball.mtl", b"newmtl skin\nmap_Kd noise.png\n")
+    def break_ball_with(self, name, image):
+        texture = self.path(name, image)
+        self.path("ball.mtl", f"newmtl skin\nmap_Kd {name}\n".encode())
         vertices, faces = sphere(rows=8, columns=16)
         lines = ["mtllib ball.mtl", "usemtl skin"] + ["v %r %r %r" % tuple(v) for v in vertices] + ["vt 0 0"]
         lines += ["f " + " ".join(f"{i + 1}/1" for i in face) for face in faces]
         self.done("--write", "mesh", mesh=self.path("ball.obj", "\n".join(lines).encode() + b"\n"))
+        self.assertTrue(os.path.exists(texture))
+
+    def test_textures_that_fill_the_page_are_left_out(self):
+        self.break_ball_with("noise.png", PICTURE + bytes(300_000))
         self.assertEqual(len(self.viewed().textures), 1)
         self.assertEqual(len(self.viewed("--max-size", "500K").textures), 0)
         self.assertIn("textures", self.said)
-        self.assertTrue(os.path.exists(noise))
+
+    def test_textures_that_browsers_do_not_show_are_left_out(self):
+        self.break_ball_with("skin.tif", b"II*\0" + bytes(300_000))
+        page = self.viewed()
+        self.assertEqual((page.textures, page.scene["textures"]), ([], []))
+        self.assertEqual({material["texture"] for material in page.scene["materials"]}, {-1})
 
 
 class Command(Viewer):
