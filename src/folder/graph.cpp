@@ -65,9 +65,7 @@ std::vector<Piece> piecesOf(std::span<const std::size_t> parentOfSplit,
 
 void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                 const GridMetadata& metadata, std::span<const Split> splits) {
-  std::size_t all = fragments.size();  // withheld ones included
-  for (const Split& split : splits) all = std::max<std::size_t>({all, split.fragment, split.added});
-  const SplitParents parents = parentsOf(splits, all);
+  const SplitParents parents = parentsOf(splits, fragments.size());
   const std::vector<Piece> pieces = piecesOf(parents.ofSplit, parents.ofFragment, fragments);
   // The chunk of each split: those of fragments come first, so that they have their ids.
   std::vector<std::uint32_t> chunkOf(pieces.size(), 0);

@@ -1,8 +1,6 @@
 // Writes the meshes of a fracture with the surface attributes of the input mesh.
 #include "folder/mesh_writer.h"
 
-#include <algorithm>
-
 #include "appearance/source_faces.h"
 #include "folder/file_names.h"
 #include "folder/split_parents.h"
@@ -57,13 +55,18 @@ void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attrib
   }
 }
 
+std::vector<std::string> MeshWriter::namesOf(std::span<const Fragment> fragments) const {
+  std::vector<std::string> names;
+  for (const Fragment& fragment : fragments) {
+    names.push_back(fragmentName(stem_, static_cast<std::size_t>(fragment.id), fragments.size()));
+  }
+  return names;
+}
+
 void MeshWriter::writeScene(std::span<const Fragment> fragments,
                             std::span<const SurfaceAttributes> attributes,
                             const std::string& path) const {
-  std::vector<std::string> names;
-  for (const Fragment& fragment : fragments) {
-    names.push_back(fragmentName(stem_, fragment.id, fragments.size()));
-  }
+  const std::vector<std::string> names = namesOf(fragments);
   std::vector<SceneNode> nodes;
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];
@@ -76,9 +79,7 @@ void MeshWriter::writeUsd(std::span<const Fragment> fragments,
                           std::span<const SurfaceAttributes> attributes,
                           std::span<const Split> splits, const FractureFiles& files,
                           const Progress* progress) const {
-  std::size_t all = fragments.size();  // withheld ones included
-  for (const Split& split : splits) all = std::max<std::size_t>({all, split.fragment, split.added});
-  const SplitParents parents = parentsOf(splits, all);
+  const SplitParents parents = parentsOf(splits, fragments.size());
   UsdScene scene{.name = stem_,
                  .parentOfSplit = parents.ofSplit,
                  .textureFolder = "meshes/",
@@ -86,10 +87,7 @@ void MeshWriter::writeUsd(std::span<const Fragment> fragments,
                  .strength = options_.jointStrength,
                  .metersPerUnit = options_.metersPerUnit,
                  .up = options_.up};
-  std::vector<std::string> names;
-  for (const Fragment& fragment : fragments) {
-    names.push_back(fragmentName(stem_, static_cast<std::size_t>(fragment.id), fragments.size()));
-  }
+  const std::vector<std::string> names = namesOf(fragments);
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];
     scene.pieces.push_back(

@@ -47,6 +47,9 @@ class MeshWriter {
                 const Progress* progress) const;
 
  private:
+  // Returns [fragments] the names of their files.
+  std::vector<std::string> namesOf(std::span<const Fragment> fragments) const;
+
   const OutputFolder& folder_;
   const MaterialTable& table_;
   const WriteOptions& options_;

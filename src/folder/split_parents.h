@@ -3,6 +3,7 @@
 
 #include <sherd/labels.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -17,9 +18,13 @@ struct SplitParents {
 };
 
 /// Returns the parents.
-///   splits  a piece before those that come of it
+///   splits     a piece before those that come of it
+///   fragments  their number, or less: those of splits are added
 inline SplitParents parentsOf(std::span<const Split> splits, std::size_t fragments) {
   SplitParents parents;
+  for (const Split& split : splits) {
+    fragments = std::max<std::size_t>({fragments, split.fragment, split.added});
+  }
   std::vector<std::size_t> last(fragments + 1, 0);
   for (const Split& split : splits) {
     parents.ofSplit.push_back(last[split.fragment]);
