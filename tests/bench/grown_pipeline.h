@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 
+#include "base/uncancelled.h"
 #include "pipeline/fracture_stages.h"
 
 namespace sherd {
@@ -29,11 +30,15 @@ inline std::size_t forEachGrown(const PreparedSolid& ready, std::size_t fracture
     FractureOptions options;
     options.pieces = 2 + static_cast<int>(next % 9);
     options.seed = next++;
-    return std::make_shared<const GrownFracture>(
-        grow(ready, options, device, StageClock(), progress));
+    Grown grown;
+    uncancelled([&] {
+      grown = std::make_shared<const GrownFracture>(
+          grow(ready, options, device, StageClock(), progress));
+    });
+    return grown;
   };
   const auto useOne = [&](const Grown& grown) {
-    use(*grown);
+    uncancelled([&] { use(*grown); });
     fragments += static_cast<std::size_t>(grown->result.labels.fragmentCount);
   };
   using Mode = tbb::filter_mode;
