@@ -190,7 +190,7 @@ class ObjectRun {
     GrowthAhead growthAhead(*ready_, journal_.text().sha256, done_, run_, progress_);
     const auto growNext = [&](tbb::flow_control& control) -> std::shared_ptr<Work> {
       auto work = std::make_shared<Work>();
-      work->growth = growthAhead.next();
+      uncancelled([&] { work->growth = growthAhead.next(); });
       if (work->growth) return work;
       control.stop();
       return nullptr;
