@@ -20,7 +20,9 @@ namespace sherd {
 /// middle.
 ///
 /// A normal is the main direction of those of the surface in the 8 voxels around, where there is
-/// one: at rims, junctions and in solids without walls ways get shorter, down to 0.
+/// one: at rims, junctions and in solids without walls ways get shorter, down to 0.  Walls are
+/// traced at every second voxel along each axis: between these, ways lead to the planes found
+/// there, which in a flat wall is exact.
 class WallMiddles {
  public:
   static constexpr int kSteps = 64;  ///< of a voxel
