@@ -36,9 +36,9 @@ OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitc
   --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,usd,graph,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
 
-echo "== fuzzing the readers, each for five minutes"
+echo "== fuzzing the readers, each for five minutes or SHERD_FUZZ_SECONDS"
 tools/build.sh asan sherd_fuzz
-tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz 300
+tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz "${SHERD_FUZZ_SECONDS:-300}"
 
 echo "== 2000 fractures with exact surfaces"
 tools/build.sh release sherd_exact_sweep
