@@ -42,7 +42,9 @@ BehindTriangles classify(const Assembly& assembly, std::size_t i, double toleran
     const glm::dvec3 normal = size > 0.0 ? areaNormal(p) / (2.0 * size) : glm::dvec3(0.0);
     const double longest =
         std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
-    const int steps = std::clamp(static_cast<int>(std::ceil(longest / spacing)), 1, kMostSteps);
+    // 0 / 0 is 1 step: the maximum and the minimum leave a NaN out.
+    const int steps = static_cast<int>(
+        std::fmin(std::fmax(std::ceil(longest / spacing), 1.0), double{kMostSteps}));
     std::map<int, int> votes;
     for (int a = 0; a < steps; ++a) {
       for (int b = 0; a + b < steps; ++b) {
