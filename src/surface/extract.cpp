@@ -131,7 +131,11 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
   if (surface_.surface != Surface::smooth) return;
   cut_->findCreases(solid, progress);
   simplification_ = simplificationOf(surface_, solid, options.intact.get());
-  if (!isShared()) return;
+  if (!isShared()) {
+    touching_ = touchingFragments(count_, solid, uneroded_ ? *uneroded_ : labels, cut_->cut(),
+                                  cut_->neighborhoods());
+    return;
+  }
   auto shared = std::make_shared<const FragmentSurfaces>(solid, labels, uneroded_, cut_,
                                                          SurfaceVertices::all, progress);
   const bool isProcessed = simplification_.isAny() || !surface_.triangles.empty() ||
@@ -223,8 +227,8 @@ void Extraction::meshIndependent(Fragment& fragment) const {
     fragment.mesh = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
   } else {
     LabeledMesh meshed = meshOfOne(solid_, labels_, cut_->cut(), cut_->creases(), id, leaves);
-    meshed.mesh.neighbor =
-        neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before, uneroded_ != nullptr);
+    meshed.mesh.neighbor = neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before,
+                                       uneroded_ != nullptr, &touching_);
     slideCracks(meshed, solid_.frame, key);
     // Planes are merged first: they would no longer be planes.
     if (!simplification_.isAny()) jitterCracks(meshed.mesh, solid_.frame, key);

@@ -73,7 +73,8 @@ class Extraction {
   const std::vector<std::vector<std::uint32_t>> leaves_;  ///< [fragments + 1] ascending
   std::shared_ptr<const FragmentSurfaces> surfaces_;      ///< if meshes are shared, not processed
   std::shared_ptr<const FragmentSurfaces> unmerged_;
-  Processed processed_;  ///< if meshes are processed, or exact
+  Processed processed_;         ///< if meshes are processed, or exact
+  TouchingFragments touching_;  ///< if fragments are meshed independently
   std::string exactFailure_;
   ContactMeasure measure_;
   std::size_t next_ = 0;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -416,6 +417,29 @@ Depths depthsOf(const FractureResult& result) {
     }
   }
   return depths;
+}
+
+// Fragments that share voxel faces; those that only share voxel edges may have faces so near that
+// each seems to be behind one of the other's.
+TEST_F(InterfaceOfFracture, ContactsAreThoseOfVoxelsMeshedIndependentlyToo) {
+  FractureOptions options{.pieces = 60, .solid = {.resolution = 32}};
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    options.seed = seed;
+    options.surface.interface = Interface::shared;
+    const FractureResult shared = fracture(shapes::cube(1.0), options, device());
+    options.surface.interface = Interface::independent;
+    const FractureResult independent = fracture(shapes::cube(1.0), options, device());
+    for (std::size_t i = 0; i < shared.fragments.size(); ++i) {
+      std::set<int> ofShared, ofIndependent, ofFaces;
+      for (const Contact& c : shared.fragments[i].contacts) ofShared.insert(c.fragment);
+      for (const Contact& c : independent.fragments[i].contacts) ofIndependent.insert(c.fragment);
+      for (const std::uint16_t other : independent.fragments[i].mesh.neighbor) {
+        if (other != 0) ofFaces.insert(other);
+      }
+      EXPECT_EQ(ofIndependent, ofShared) << "seed " << seed << ", fragment " << i + 1;
+      EXPECT_TRUE(std::ranges::includes(ofIndependent, ofFaces)) << i + 1;
+    }
+  }
 }
 
 TEST_F(InterfaceOfFracture, PointsLieInOneFragmentOnly) {
