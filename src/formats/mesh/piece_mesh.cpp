@@ -2,6 +2,7 @@
 #include "formats/mesh/piece_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <tuple>
 
@@ -181,6 +182,19 @@ SplitCorners splitCorners(const PieceMesh& piece) {
   }
   normals.finish();
   return split;
+}
+
+std::vector<std::array<glm::vec3, 3>> shortNormals(const PieceMesh& piece) {
+  const SplitCorners split = splitCorners(piece);
+  const auto rounded = [](double x) { return std::round(x * 1e4) / 1e4 + 0.0; };
+  std::vector<std::array<glm::vec3, 3>> normals(split.ofTriangle.size());
+  for (std::size_t t = 0; t < normals.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& n = split.normals[split.corners[split.ofTriangle[t][k]].normal];
+      normals[t][k] = glm::vec3(rounded(n.x), rounded(n.y), rounded(n.z));
+    }
+  }
+  return normals;
 }
 
 void writePiece(const OutputFile& file, MeshFileFormat format, const PieceMesh& piece,

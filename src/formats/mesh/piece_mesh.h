@@ -72,6 +72,11 @@ struct SplitCorners {
 };
 [[nodiscard]] SplitCorners splitCorners(const PieceMesh& piece);
 
+/// Returns the normals of the same corners, with four digits behind the point, for text: half of
+/// the last is 0.003 degrees.
+///   return  [triangles]
+[[nodiscard]] std::vector<std::array<glm::vec3, 3>> shortNormals(const PieceMesh& piece);
+
 /// Writes binary little-endian PLY with one vertex for each of the mesh's, so it stays closed.
 /// With PieceMesh::input its polygons are one face each where they are whole.
 ///   throws  Error(output), as all of them

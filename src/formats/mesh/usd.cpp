@@ -8,12 +8,12 @@
 #include <glm/common.hpp>
 #include <limits>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "base/cancel_flag.h"
 #include "base/version.h"
 #include "formats/arrays/zip_writer.h"
+#include "formats/mesh/joint_strength.h"
 #include "formats/mesh/usd_mesh.h"
 #include "formats/mesh/usd_text.h"
 #include "mesh/principal_inertia.h"
@@ -118,13 +118,7 @@ class Layer {
 
   void materials() {
     const MaterialTable& table = scene_.pieces.front().piece.materials;
-    std::set<std::string> taken;
-    for (const MaterialTable::Entry& entry : table.materials) {
-      const std::string name = usdName(entry.name);
-      std::string unique = name;
-      for (int i = 2; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
-      materialNames_.push_back(std::move(unique));
-    }
+    materialNames_ = usdNames(table);
     text_.open("def Scope", "materials");
     for (std::uint32_t m = 0; m < table.materials.size(); ++m) material(table, m);
     text_.close();
@@ -261,8 +255,7 @@ class Layer {
                                             std::to_string(scene_.pieces[other].id));
     text_.line("rel physics:body0 = <" + paths_[one] + ">");
     text_.line("rel physics:body1 = <" + paths_[other] + ">");
-    text_.line(
-        numbered("float physics:breakForce", static_cast<float>(scene_.strength * contact.area)));
+    text_.line(numbered("float physics:breakForce", jointStrength(contact, scene_.strength)));
     text_.line("point3f physics:localPos0 = " + local(one));
     text_.line("point3f physics:localPos1 = " + local(other));
     text_.line("quatf physics:localRot0 = (1, 0, 0, 0)");

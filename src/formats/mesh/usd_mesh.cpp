@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <limits>
@@ -30,9 +29,6 @@ struct Indexed {
  private:
   std::map<std::array<float, Value::length()>, std::uint32_t> number_{};
 };
-
-// Four digits behind the point: half of the last is 0.003 degrees.
-double rounded(double x) { return std::round(x * 1e4) / 1e4 + 0.0; }
 
 void appendWhole(std::string& text, std::uint32_t value) { appendShortest(text, value); }
 
@@ -65,13 +61,9 @@ class MeshPrim {
   }
 
   void normals() {
-    const SplitCorners split = splitCorners(piece_);
     Indexed<glm::vec3> normals;
-    for (const auto& corners : split.ofTriangle) {
-      for (const std::uint32_t corner : corners) {
-        const glm::dvec3& n = split.normals[split.corners[corner].normal];
-        normals.add(glm::vec3(rounded(n.x), rounded(n.y), rounded(n.z)));
-      }
+    for (const std::array<glm::vec3, 3>& corners : shortNormals(piece_)) {
+      for (const glm::vec3& n : corners) normals.add(n);
     }
     indexed("normal3f[] primvars:normals", normals,
             [](std::string& to, const glm::vec3& n) { to += usdVector(n); });
