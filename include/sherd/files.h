@@ -441,11 +441,16 @@ void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments
 void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                 const GridMetadata& metadata, std::span<const Split> splits = {});
 
-/// Writes the contact graph as a Houdini constraint network in the ASCII format `.geo`: a point at
-/// each fragment's center of mass, with `name`, and an open polygon for each contact, with
-/// constraint_name, constraint_type, restlength and strength (the contact's area).
-///   throws  Error(output)
-void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments);
+/// Writes the contact graph as a constraint network in Houdini's geometry, JSON `.geo`: a point at
+/// each fragment's center of mass, with `name`, and a polyline for each contact, with
+/// constraint_name, constraint_type, area, restlength and strength.
+///   strength  per unit of a contact's area
+///   splits    if any, contacts are in the groups level1, level2, ...: those between what the
+///             intact object was divided into, and so on
+///   throws    Error(output); Error(cancelled)
+void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments,
+                      double strength = 1.0, std::span<const Split> splits = {},
+                      const Progress* progress = nullptr);
 
 /// Writes the convex hull of a fragment's mesh as OBJ.
 ///   gap     distance between the hulls of two convex neighbors, world units

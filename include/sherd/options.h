@@ -48,6 +48,7 @@ struct WriteOptions {
   bool graph = false;        ///< graph.json and graph.geo
   bool viewer = false;       ///< viewer.html, see viewerOf
   bool usd = false;          ///< scene.usda, or other formats by usdFormats
+  bool houdini = false;      ///< pieces.geo and graph.geo
   bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
   bool proxy = false;        ///< proxies/STEM_001.obj, convex hulls
 
@@ -61,8 +62,8 @@ struct WriteOptions {
 
   std::vector<UsdFormat> usdFormats{UsdFormat::usda};  ///< not empty, no duplicates
   bool usdVolumes = false;     ///< with `vdb`: scene.usda refers to the level sets
-  double jointStrength = 1.0;  ///< force that breaks a joint of scene.usda, per unit of its
-                               ///< contact's area, above 0
+  double jointStrength = 1.0;  ///< force that breaks a joint of scene.usda or graph.geo, per unit
+                               ///< of its contact's area, above 0
   double metersPerUnit = 1.0;  ///< of scene.usda, above 0
 
   PointOptions points{};     ///< points/STEM_001.ply if count > 0; `seed` must be 0: each
@@ -85,14 +86,14 @@ struct WriteOptions {
 
   /// Whether a file is written that needs Fragment::mesh.  Points do not.
   bool needsMeshes() const {
-    return mesh || preview || boundaries || scene || usd || graph || viewer || proxy ||
+    return mesh || preview || boundaries || scene || usd || graph || houdini || viewer || proxy ||
            distances.count > 0 || correspondences > 0;
   }
 
   /// Whether a file is written that needs the meshes, or the level sets, of all fragments at once.
   bool needsAllMeshes() const {
-    return boundaries || scene || usd || viewer || distances.count > 0 || correspondences > 0 ||
-           (needsMeshes() && points.count > 0 && sharePoints);
+    return boundaries || scene || usd || houdini || viewer || distances.count > 0 ||
+           correspondences > 0 || (needsMeshes() && points.count > 0 && sharePoints);
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
 };

@@ -75,10 +75,9 @@ FractureFiles filesBy(const Naming& naming, const NamedObject& object, std::size
   if (write.boundaries) files.boundaries = whole + "boundaries.obj";
   if (write.cost) files.cost = whole + "cost.vdb";
   if (write.scene) files.scene = whole + "scene.glb";
-  if (write.graph) {
-    files.graph = whole + "graph.json";
-    files.constraints = whole + "graph.geo";
-  }
+  if (write.houdini) files.houdini = whole + "pieces.geo";
+  if (write.graph) files.graph = whole + "graph.json";
+  if (write.graph || write.houdini) files.constraints = whole + "graph.geo";
   if (write.viewer) files.viewer = whole + "viewer.html";
   return files;
 }
@@ -168,7 +167,7 @@ NamedFiles fractureNames(DatasetLayout layout, const NamedObject& object,
 NamedFiles wholeNames(DatasetLayout layout, const NamedObject& object) {
   WriteOptions write = object.write;  // only the files of a single fragment
   write.preview = write.seeds = write.boundaries = write.cost = write.scene = write.graph = false;
-  write.viewer = false;
+  write.houdini = write.viewer = false;
   write.vdbFiles = VdbFiles::files;
   write.correspondences = 0;
   write.distances.count = 0;

@@ -85,10 +85,9 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
     if (write.usd)
       files.usd.push_back(std::string("scene.") + names::of(names::kUsdFormat, format));
   }
-  if (write.graph) {
-    files.graph = "graph.json";
-    files.constraints = "graph.geo";
-  }
+  if (write.houdini) files.houdini = "pieces.geo";
+  if (write.graph) files.graph = "graph.json";
+  if (write.graph || write.houdini) files.constraints = "graph.geo";
   if (write.viewer) files.viewer = "viewer.html";
   addMaterialFiles(files, stem, table, write);
   if (write.distances.count > 0) files.solidSdf = "sdf/" + stem + ".npz";

@@ -32,6 +32,12 @@ PlacedVoxels labeledBox(const FractureResult& result, int fragments) {
           VoxelTransform{{origin, frame.voxelSize}, first}};
 }
 
+// Whether a file is written that has the attributes of all meshes at once.
+bool hasScenes(const FractureFiles& files) {
+  return !files.scene.empty() || !files.usd.empty() || !files.houdini.empty() ||
+         !files.viewer.empty();
+}
+
 // Whether a file is written that has the faces of the source.
 bool hasSourceFaces(const WriteOptions& write) {
   return write.sourceFaces && write.mesh && !write.plainMeshes &&
@@ -43,7 +49,7 @@ bool hasSourceFaces(const WriteOptions& write) {
 
 FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
     : source_(source), options_(write), table_(materialTable(source.appearance)) {
-  const bool hasMeshes = write.mesh || write.scene || write.usd || write.viewer;
+  const bool hasMeshes = write.mesh || write.scene || write.usd || write.houdini || write.viewer;
   const bool hasFaces =
       hasSourceFaces(write) && !source.mesh.triangles.empty() && !isVolumeName(source.name);
   if ((hasMeshes && !source.mesh.attributes.empty()) || hasFaces) {
@@ -81,8 +87,7 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       result_(result),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
               result.solid, writer.options()),
-      attributes_(files.scene.empty() && files.usd.empty() && files.viewer.empty() ? 0
-                                                                                   : result.kept()),
+      attributes_(hasScenes(files) ? result.kept() : 0),
       previews_(files.preview.empty() ? 0 : result.kept()) {}
 
 std::span<const Fragment> FractureWriting::kept() const {
@@ -161,7 +166,10 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
   throwIfCancelled(progress);
   if (!files_.graph.empty()) {
     writeGraph(folder_ / files_.graph, kept(), metadata(), result_.labels.splits);
-    writeConstraints(folder_ / files_.constraints, kept());
+  }
+  if (!files_.constraints.empty()) {
+    writeConstraints(folder_ / files_.constraints, kept(), write.jointStrength,
+                     result_.labels.splits, progress);
   }
   if (!files_.points.empty() && write.sharePoints) {
     const std::vector<std::size_t> counts = sharedCounts(kept(), write.points.count);
@@ -174,6 +182,9 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
   if (!files_.scene.empty()) meshes_.writeScene(kept(), attributes_, files_.scene);
   if (!files_.usd.empty()) {
     meshes_.writeUsd(kept(), attributes_, result_.labels.splits, files_, progress);
+  }
+  if (!files_.houdini.empty()) {
+    meshes_.writeHoudini(kept(), attributes_, result_.labels.splits, files_.houdini, progress);
   }
   if (!files_.viewer.empty()) {
     warnings = writeViewer(folder_ / files_.viewer, writer_, result_, attributes_,

@@ -2,11 +2,10 @@
 #include <sherd/folder.h>
 
 #include <algorithm>
-#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/json_of.h"
-#include "base/number_text.h"
+#include "folder/each_contact.h"
 #include "folder/split_parents.h"
 
 namespace sherd {
@@ -23,18 +22,6 @@ Json chunkJson(const glm::dvec3& centroid, double volume, std::uint32_t parent, 
           {"parentChunkIndex", parent},
           {"flags", isSupport ? 1 : 0},
           {"userData", userData}};
-}
-
-// Calls visit(one, other, contact of `one`) for each pair of touching fragments in `fragments`.
-template <class Visit>
-void forEachContact(std::span<const Fragment> fragments, const Visit& visit) {
-  for (const Fragment& fragment : fragments) {
-    for (const Contact& contact : fragment.contacts) {
-      const auto other = static_cast<std::size_t>(contact.fragment - 1);
-      if (contact.fragment <= fragment.id || other >= fragments.size()) continue;
-      visit(fragment, fragments[other], contact);
-    }
-  }
 }
 
 // A piece before it was split, of the fragments that come of it.
@@ -104,46 +91,6 @@ void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                       {"chunks", std::move(chunks)},
                       {"bonds", std::move(bonds)}};
   file.write(graph.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
-}
-
-void writeConstraints(const OutputFile& file, std::span<const Fragment> fragments) {
-  std::size_t bonds = 0;
-  std::string lines;
-  forEachContact(
-      fragments, [&](const Fragment& one, const Fragment& other, const Contact& contact) {
-        appendShortest(lines += " 2 : ", one.id - 1);
-        appendShortest(lines += ' ', other.id - 1);
-        appendShortest(lines += " [0 0 ", glm::length(one.mass.centroid - other.mass.centroid));
-        appendShortest(lines += ' ', contact.area);
-        lines += "]\n";
-        ++bonds;
-      });
-  std::string text = "PGEOMETRY V5\nNPoints ";
-  appendShortest(text, fragments.size());
-  appendShortest(text += " NPrims ", bonds);
-  text += "\nNPointGroups 0 NPrimGroups 0\nNPointAttrib 1 NVertexAttrib 0 NPrimAttrib ";
-  text += bonds > 0 ? "4" : "0";
-  text += " NAttrib 0\nPointAttrib\nname 1 index ";
-  appendShortest(text, fragments.size());
-  for (const Fragment& fragment : fragments) appendShortest(text += " piece", fragment.id);
-  text += '\n';
-  for (std::size_t i = 0; i < fragments.size(); ++i) {
-    const glm::dvec3& at = fragments[i].mass.centroid;
-    for (int axis = 0; axis < 3; ++axis) {
-      appendShortest(text, at[axis] + 0.0);
-      text += ' ';
-    }
-    appendShortest(text += "1 (", i);
-    text += ")\n";
-  }
-  if (bonds > 0) {
-    text +=
-        "PrimitiveAttrib\nconstraint_name 1 index 1 glue\nconstraint_type 1 index 1 all\n"
-        "restlength 1 float 0\nstrength 1 float 0\nRun ";
-    appendShortest(text, bonds);
-    text += " Poly\n" + lines;
-  }
-  file.write(text + "beginExtra\nendExtra\n");
 }
 
 }  // namespace sherd

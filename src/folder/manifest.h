@@ -38,6 +38,7 @@ struct FractureFiles {
   std::string cost;
   std::string scene;
   std::vector<std::string> usd;  ///< [formats] or empty
+  std::string houdini;
   std::string graph;
   std::string constraints;
   std::string viewer;

@@ -3,7 +3,9 @@
 
 #include "appearance/source_faces.h"
 #include "folder/file_names.h"
+#include "folder/split_levels.h"
 #include "folder/split_parents.h"
+#include "formats/mesh/geo.h"
 #include "formats/mesh/piece_mesh.h"
 #include "formats/mesh/usd.h"
 
@@ -103,6 +105,23 @@ void MeshWriter::writeUsd(std::span<const Fragment> fragments,
     if (options_.usdFormats[i] == UsdFormat::usda) writeUsda(file, scene, progress);
     if (options_.usdFormats[i] == UsdFormat::usdz) writeUsdz(file, scene, progress);
   }
+}
+
+void MeshWriter::writeHoudini(std::span<const Fragment> fragments,
+                              std::span<const SurfaceAttributes> attributes,
+                              std::span<const Split> splits, const std::string& path,
+                              const Progress* progress) const {
+  const std::vector<UnrealCluster> clusters =
+      unrealClusters(SplitLevels(parentsOf(splits, fragments.size())), fragments);
+  const std::vector<std::string> names = namesOf(fragments);
+  std::vector<GeoPiece> pieces;
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    pieces.push_back({.id = fragments[i].id,
+                      .piece = {names[i], fragments[i].mesh, attributes[i], table_},
+                      .level = clusters[i].level,
+                      .cluster = clusters[i].cluster});
+  }
+  writeGeo(folder_ / path, pieces, progress);
 }
 
 }  // namespace sherd

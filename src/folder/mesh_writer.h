@@ -46,6 +46,14 @@ class MeshWriter {
                 std::span<const Split> splits, const FractureFiles& files,
                 const Progress* progress) const;
 
+  /// Writes all fragments as polygons of one file for Houdini.
+  ///   attributes  [fragments] attributesOf their meshes
+  ///   splits      of the fracture, the withheld fragments' included
+  ///   path        in the folder
+  void writeHoudini(std::span<const Fragment> fragments,
+                    std::span<const SurfaceAttributes> attributes, std::span<const Split> splits,
+                    const std::string& path, const Progress* progress) const;
+
  private:
   // Returns [fragments] the names of their files.
   std::vector<std::string> namesOf(std::span<const Fragment> fragments) const;

@@ -60,7 +60,7 @@ std::string stemOf(const Json& manifest, std::size_t fragments, const Names& lis
 WriteOptions everything() {
   WriteOptions write;
   write.seeds = write.boundaries = write.cost = write.solid = write.scene = write.graph = true;
-  write.proxy = write.viewer = write.usd = true;
+  write.proxy = write.viewer = write.usd = write.houdini = true;
   write.vdbFiles = VdbFiles::both;
   write.usdFormats = {UsdFormat::usda, UsdFormat::usdz};
   write.voxelFormats = {VoxelFormat::rle, VoxelFormat::npy,    VoxelFormat::npz,

@@ -274,6 +274,7 @@ constexpr WrittenName kWritten[] = {
     {"scene", [](WriteOptions& w) -> bool& { return w.scene; }},
     {"usd", [](WriteOptions& w) -> bool& { return w.usd; }},
     {"graph", [](WriteOptions& w) -> bool& { return w.graph; }},
+    {"houdini", [](WriteOptions& w) -> bool& { return w.houdini; }},
     {"viewer", [](WriteOptions& w) -> bool& { return w.viewer; }},
     {"proxy", [](WriteOptions& w) -> bool& { return w.proxy; }},
 };

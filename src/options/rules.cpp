@@ -311,7 +311,13 @@ std::vector<Rule> formatRules() {
 
 std::vector<Rule> usdRules() {
   return {
-      {{"usd-format", "usd-volumes", "joint-strength", "meters-per-unit"},
+      {{"joint-strength"},
+       Verdict::idle,
+       [](O o, U) {
+         return !writes(o, {"usd", "graph", "houdini"});
+       },
+       "does nothing without usd, graph or houdini in {write}"},
+      {{"usd-format", "usd-volumes", "meters-per-unit"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"usd"}); },
        "does nothing without usd in {write}"},

@@ -242,7 +242,7 @@ class Journals(Safety):
         self.done(*QUICK, "--poses", "--resume", "--verify")
 
     def test_whatever_is_written_is_read(self):
-        everything = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,usd,graph,viewer,proxy", "--voxel-format", "rle,npy,npz",
+        everything = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,usd,graph,houdini,viewer,proxy", "--voxel-format", "rle,npy,npz",
                       "--points", "20", "--point-format", "ply,xyz", "--sdf-samples", "20", "--correspondences", "5", "--vdb", "both",
                       "--triangles", "100", "--poses", "--missing", "1", "--roughness", "0..1")
         for layout, packing in zip(LAYOUTS, ("none", "zip", "zstd", "none")):

@@ -32,7 +32,7 @@ FILES = ("write", "open", "close", "rename", "mkdir")
 NO_MEMORY = r"not enough memory; try|: no memory for \d+x\d+ pixels; try a|OpenEXR cannot encode it: "
 OUT_OF_RESOURCES = -5  # as OpenCL numbers them
 BUILD_PROGRAM_FAILURE = -11
-EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,usd,graph,viewer,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
+EVERYTHING = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,usd,graph,houdini,viewer,proxy", "--voxel-format", "rle,npy,npz,vox,qstack,bing", "--mesh-format",
               "ply,obj,glb,stl", "--points", "20", "--point-format", "ply,xyz,npz", "--sdf-samples", "20",
               "--correspondences", "5", "--vdb", "both", "--triangles", "100")
 

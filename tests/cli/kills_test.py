@@ -27,7 +27,7 @@ ALL = os.environ.get("SHERD_KILLS", "") == "all"
 EARLIER = ("--pieces", "3", "--points", "20", "--write", "labels,mesh,seeds")
 FRESH = ("--pieces", "2", "--write", "labels,vdb,mesh")
 MANY = ("--pieces", "4", "--points", "20", "--sdf-samples", "20", "--mesh-format", "ply,obj,glb", "--write",
-        "labels,vdb,mesh,preview,seeds,boundaries,solid,scene,usd,graph,viewer,proxy")
+        "labels,vdb,mesh,preview,seeds,boundaries,solid,scene,usd,graph,houdini,viewer,proxy")
 
 
 def spread(count, most):

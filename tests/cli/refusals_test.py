@@ -111,6 +111,7 @@ class Together(CommandLine):
             ("--precision", "double", "--write", "mesh"),
             ("--density", "2", "--write", "graph"), ("--proxy-gap", "0.1", "--write", "proxy"), ("--up", "z", "--write", "preview"), ("--up", "z", "--write", "usd"),
             ("--usd-volumes", "--joint-strength", "2", "--meters-per-unit", "2", "--write", "usd,vdb"),
+            ("--joint-strength", "2", "--write", "graph"), ("--joint-strength", "2", "--write", "houdini"),
             ("--points", "5", "--point-sampler", "halton"), ("--preset", "paper"), ("--preset", "training"),
             ("--preset", "paper", "--neighborhood", "26"))
 

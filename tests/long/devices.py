@@ -18,7 +18,7 @@ DEVICES = {  # name: its environment
     "Portable": {"OCL_ICD_VENDORS": "pocl.icd"},
     "llvmpipe": {"OCL_ICD_VENDORS": "rusticl.icd", "RUSTICL_ENABLE": "llvmpipe"},
 }
-EVERY_FILE = "--write labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,usd,graph,viewer,proxy"
+EVERY_FILE = "--write labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,usd,graph,houdini,viewer,proxy"
 FRACTURES = [  # mesh, options
     ("amphora.ply", "--pieces 6"),
     ("amphora.ply", f"--pieces 9 {EVERY_FILE} --voxel-format rle,npy,npz,vox,qstack,bing --mesh-format ply,obj,glb,stl,binm"),

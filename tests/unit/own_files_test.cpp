@@ -59,7 +59,7 @@ TEST(OwnFiles, AreAllThatAnyOptionsName) {
         if (fragments > 12 && bits != 59) continue;  // one of many files is enough
         WriteOptions write;
         write.labels = write.preview = write.seeds = write.boundaries = write.cost = bits & 1;
-        write.scene = write.usd = write.graph = write.viewer = bits & 1;
+        write.scene = write.usd = write.graph = write.houdini = write.viewer = bits & 1;
         write.vdb = bits & 2;
         write.vdbFiles = bits & 4 ? VdbFiles::single : VdbFiles::both;
         write.mesh = bits & 8;
