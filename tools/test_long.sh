@@ -33,7 +33,7 @@ folder=$(mktemp -d)
 OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \
   --suppressions=tools/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
   --threads 1 --mesh-format ply,obj,glb,stl --points 10 --sdf-samples 10 --correspondences 5 \
-  --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,usd,graph,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
+  --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,usd,graph,houdini,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
 
 echo "== fuzzing the readers, each for five minutes or SHERD_FUZZ_SECONDS"
@@ -82,6 +82,13 @@ if [ ! -e "$venv/done" ]; then
   touch "$venv/done"
 fi
 OCL_ICD_VENDORS=pocl.icd "$venv/bin/python" -B tests/long/usd.py build/release/sherd
+
+echo "== Houdini's geometry, by HouIO"
+if [ -n "${SHERD_HOUIO:-}" ]; then
+  tests/long/geo.py build/release/sherd "$SHERD_HOUIO"
+else
+  echo "not run: SHERD_HOUIO names no build of HouIO, see tests/long/geo.py"
+fi
 
 echo "== later Blenders, and the extension where there is neither Sherd nor OpenCL"
 tests/long/blender_versions.sh build/release/sherd
