@@ -8,8 +8,7 @@ command.  Conditions: Sherd breaks the mesh or refuses it with an error (statuse
 fault, and `sherd evaluate` finds every mesh closed, manifold and outward, decimated ones too.  A fault is printed as one line with its
 command, and so is a refusal.  Faults of solids thinner than a voxel at an explicit resolution are counted separately, because the
 surface cannot represent them; so are fragments that erosion left with nearly no voxel half a voxel deep, whose meshes are smaller than their
-voxels, and volumes of meshes of which decimation left less than a hundredth of the triangles, because pores below their size are gone.
---isolated keep is not drawn, because its fragments may have several components; with --erode-islands keep they may too.
+voxels.  --isolated keep is not drawn, because its fragments may have several components; with --erode-islands keep they may too.
 The surface error of simplified meshes (--adaptivity) may exceed the limit by that value, of decimated ones by half a voxel.
 Meshes that options move away from the level set (voxel faces, smoothed, simplified, decimated) need not lie on it, nor have
 their neighbor within the checker's 3/4 voxel.
@@ -29,7 +28,6 @@ import pyopenvdb
 
 PYTHON = "/usr/bin/python3"  # Debian's: numpy, scipy and pyopenvdb are there
 KINDS = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".fbx", ".gz")
-COARSE_SHARE = 0.01
 THIN_SHARE = 0.01  # the report's "thinnest" ignores 1 % of the area
 MOVING = ("--surface", "--adaptivity", "--smooth-iterations")  # --surface is drawn with "labels" only
 OF_COMPONENTS = ("6-connected part", "separate bodies")
@@ -172,20 +170,6 @@ def is_simplified(folder, fault, off, voxel_size):
     return found is not None and found[1] < (0.5 + off) * voxel_size * found[0]["area"]
 
 
-def faces_of_ply(path):
-    with open(path, "rb") as file:
-        return next(int(line.split()[2]) for line in file if line.startswith(b"element face"))
-
-
-def is_coarse(folder, fault, left):
-    """Whether a fault is the volume of a mesh with less than a hundredth of the triangles that the mesh had in `left`."""
-    found = of_volume(folder, fault)
-    if found is None:
-        return False
-    fragment = found[0]
-    return fragment["decimated"][0]["triangles"] < COARSE_SHARE * left[fragment["id"]]
-
-
 def option(words, name, default=None):
     return words[words.index(name) + 1] if name in words else default
 
@@ -202,7 +186,7 @@ def judged_by_options(sherd, checker, words, folder, voxel_size, decimated=False
 
 
 def faults_of(sherd, checker, words, folder):
-    """Faults of one run, the refusal message or None, and "thin", "shallow" or "coarse" if the faults are of what voxels or triangles cannot hold."""
+    """Faults of one run, the refusal message or None, and "thin" or "shallow" if the faults are of features thinner than a voxel."""
     log = os.path.join(folder, "log")
     pieces = os.path.join(folder, "pieces")
     shutil.rmtree(pieces, ignore_errors=True)
@@ -219,15 +203,11 @@ def faults_of(sherd, checker, words, folder):
         faults.append(f"{report['fragments']} fragments, expected {asked} of {report['components']} components")
     decimated = not faults and "--triangles" in words
     if decimated:
-        fragments = json.load(open(os.path.join(pieces, "manifest.json")))["fragments"]
-        left = {f["id"]: faces_of_ply(os.path.join(pieces, f["files"]["mesh"])) for f in fragments}
         use_decimated(pieces)
         faults = judged_by_options(sherd, checker, words, pieces, report["voxel_size"], decimated)
     what = "thin" if walls is not None and walls["thin_share"] > THIN_SHARE else None
     if faults and all(is_shallow(pieces, fault) for fault in faults):
         what = "shallow"
-    if faults and decimated and all(is_coarse(pieces, fault, left) for fault in faults):
-        what = "coarse"
     return ["decimated: " * decimated + fault for fault in faults], None, what
 
 
@@ -253,12 +233,12 @@ def main():
                 print(f"refused {index}: {refusal} | {' '.join(words)}", flush=True)
             if not faults:
                 continue
-            allowed = what in ("shallow", "coarse") or what == "thin" and resolution is not None
+            allowed = what == "shallow" or what == "thin" and resolution is not None
             thin += allowed
             failed += not allowed
             print(f"{what if allowed else 'FAULT'} {index}: {'; '.join(faults[:3])}"
                   f"{f'; and {len(faults) - 3} more' if len(faults) > 3 else ''} | {' '.join(words)}", flush=True)
-    print(f"{len(runs)} runs, {refused} refused, {thin} with faults of features too small for voxels or triangles; {failed} faults")
+    print(f"{len(runs)} runs, {refused} refused, {thin} with faults of features thinner than a voxel; {failed} faults")
     sys.exit(failed > 0)
 
 

@@ -40,8 +40,14 @@ constexpr double kLeastCosine = 0.2;
 // become collinear in single precision, which files hold.
 constexpr double kLeastHeight = 4e-6;
 
-// The least share of its volume that a label keeps.  A tetrahedron inscribed in a ball has 0.12.
-constexpr double kLeastVolume = 0.1;
+// How much of its volume a label may lose or gain.  A tetrahedron inscribed in a ball has 0.12 of
+// the ball's, an icosahedron 0.6; a thin fragment between larger ones, whose collapses are its own,
+// would lose more although it has triangles enough.
+double leastVolume(std::size_t triangles) {
+  constexpr double kLeast = 0.1, kMost = 0.9, kTriangles = 20.0;
+  if (triangles == 0) return kLeast;  // as far as errors allow
+  return std::clamp(1.0 - kTriangles / static_cast<double>(triangles), kLeast, kMost);
+}
 
 struct Candidate {
   double cost;
@@ -69,8 +75,7 @@ class Decimator {
       const glm::uvec3& t = face.corner;
       addVolume(face, sixfold(at_[t.x], at_[t.y], at_[t.z]), volume_);
     }
-    least_ = volume_;
-    for (double& least : least_) least *= kLeastVolume;
+    whole_ = volume_;
     for (Index v = 0; v < at_.size(); ++v) {
       for (const Index n : mesh_.neighbors(v)) {
         if (v < n) queueEdge(v, n);
@@ -84,6 +89,7 @@ class Decimator {
     constexpr std::size_t kStepsPerPoll = 4096;
     std::size_t steps = 0;
     const double maxError = error / scale_;
+    leastVolume_ = leastVolume(triangles);
     above_ = 0;
     for (std::uint16_t label = 1; label <= mesh_.labels(); ++label) {
       above_ += mesh_.trianglesLeft(label) > triangles;
@@ -240,7 +246,8 @@ class Decimator {
     if (face.back <= mesh_.labels()) ofLabel[face.back] -= volume;
   }
 
-  // True if every label keeps enough volume; then `volume_` holds the volumes after the collapse.
+  // True if every label keeps its volume, within limits; then `volume_` holds the volumes after the
+  // collapse.
   bool keepsVolumes(Index a, Index b, const glm::dvec3& target) {
     std::vector<std::uint16_t> labels;
     const auto addAll = [&](double sign) {
@@ -259,11 +266,13 @@ class Decimator {
         }
       }
     };
-    const auto isTooSmall = [&](std::uint16_t label) {
-      return label != 0 && label <= mesh_.labels() && volume_[label] < least_[label];
+    const auto isOff = [&](std::uint16_t label) {
+      return label != 0 && label <= mesh_.labels() &&
+             (volume_[label] < leastVolume_ * whole_[label] ||
+              volume_[label] > (2.0 - leastVolume_) * whole_[label]);
     };
     addAll(1.0);
-    if (std::none_of(labels.begin(), labels.end(), isTooSmall)) return true;
+    if (std::none_of(labels.begin(), labels.end(), isOff)) return true;
     addAll(-1.0);
     return false;
   }
@@ -301,7 +310,8 @@ class Decimator {
   std::vector<glm::dvec3> at_;     // in the unit box
   glm::dvec3 middle_{0.0};
   double scale_ = 1.0;
-  std::vector<double> volume_, least_;  // [labels + 1] sixfold, in the unit box
+  std::vector<double> volume_, whole_;  // [labels + 1] sixfold, in the unit box; now, at first
+  double leastVolume_ = 0.0;            // share
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // [vertices] counts moves, to detect stale candidates
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;

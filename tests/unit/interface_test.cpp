@@ -222,6 +222,20 @@ TEST(Interface, SingleVoxelKeepsItsVolumeMeshedIndependently) {
   EXPECT_NEAR(volumes[1], volumes[0], std::pow(side + 2.0 * kCrackJitter, 3) - volumes[0]);
 }
 
+// The middle one of three has triangles enough, but its faces are those of the others, which have
+// too many.
+TEST(Interface, AThinFragmentKeepsItsVolumeBesideDecimatedOnes) {
+  const Labeled made = labeled(48, 3, [](const Coord& v) {
+    const int wave = (v.y() / 6 * 5 + v.z() / 6 * 3) % 7;
+    return static_cast<std::uint16_t>(v.x() < 20 + wave ? 1 : (v.x() < 22 + wave ? 2 : 3));
+  });
+  const std::vector<Fragment> fragments = extractFragments(
+      made.solid, made.labels, {.surface = {.levelSets = false, .triangles = {200}}});
+  for (const Fragment& fragment : fragments) {
+    EXPECT_NEAR(volume(fragment.coarse[0]) / volume(fragment.mesh), 1.0, 0.1 + 1e-9) << fragment.id;
+  }
+}
+
 using Face = std::array<std::array<double, 3>, 3>;
 
 // The faces of a mesh with a neighbor, sorted, each starting at its least corner.
