@@ -90,6 +90,10 @@ else
   echo "not run: SHERD_HOUIO names no build of HouIO, see tests/long/geo.py"
 fi
 
+echo "== scenes in glTF, by the schemas of SHERD_GLTF_SCHEMAS and in Godot"
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends godot3-server python3-jsonschema > /dev/null
+tests/long/gltf.py build/release/sherd
+
 echo "== later Blenders, and the extension where there is neither Sherd nor OpenCL"
 tests/long/blender_versions.sh build/release/sherd
 

@@ -45,6 +45,11 @@ struct Material {
   std::string name;       ///< may be empty, may repeat
   glm::vec3 color{1.0f};  ///< 0..1, linear; the texture is multiplied by it
   int texture = -1;       ///< index into Appearance::textures; -1: none
+  /// The whole material as an object of glTF 2.0, JSON without a name, base color included; empty:
+  /// rough and not metallic.  Every `index` of a texture is into Appearance::textures, and a key
+  /// `sampler` beside it has the sampler, if the file has one.  Texture coordinates are those of
+  /// SurfaceAttributes.
+  std::string gltf{};
 };
 
 /// The materials and textures of a mesh that was read.  They have no influence on the fracture.

@@ -49,7 +49,7 @@ struct WriteOptions {
   bool viewer = false;       ///< viewer.html, see viewerOf
   bool usd = false;          ///< scene.usda, or other formats by usdFormats
   bool houdini = false;      ///< pieces.geo and graph.geo
-  bool plainMeshes = false;  ///< only vertices and triangles in `.ply` and `.obj`
+  bool plainMeshes = false;  ///< only vertices and triangles in `.ply`, `.obj` and `.glb`
   bool proxy = false;        ///< proxies/STEM_001.obj, convex hulls
 
   VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/STEM_001.vdb, fragments.vdb, or both
@@ -62,8 +62,8 @@ struct WriteOptions {
 
   std::vector<UsdFormat> usdFormats{UsdFormat::usda};  ///< not empty, no duplicates
   bool usdVolumes = false;     ///< with `vdb`: scene.usda refers to the level sets
-  double jointStrength = 1.0;  ///< force that breaks a joint of scene.usda or graph.geo, per unit
-                               ///< of its contact's area, above 0
+  double jointStrength = 1.0;  ///< force that breaks a joint of a scene or graph.geo, per unit of
+                               ///< its contact's area, above 0
   double metersPerUnit = 1.0;  ///< of scene.usda, above 0
 
   PointOptions points{};     ///< points/STEM_001.ply if count > 0; `seed` must be 0: each

@@ -55,7 +55,7 @@ nb::object objectOf(std::size_t number) { return nb::cast(number); }
 nb::object objectOf(const std::optional<double>& number) { return nb::cast(number); }
 nb::object objectOf(const Material& material) {
   return nb::make_tuple(objectOf(material.name), material.color.r, material.color.g,
-                        material.color.b, material.texture);
+                        material.color.b, material.texture, objectOf(material.gltf));
 }
 nb::object objectOf(const Texture& texture) {
   return nb::make_tuple(objectOf(texture.name), objectOf(texture.bytes));
@@ -85,6 +85,7 @@ void read(nb::handle object, Material& material) {
   material.color = {nb::cast<float>(parts[1]), nb::cast<float>(parts[2]),
                     nb::cast<float>(parts[3])};
   material.texture = nb::cast<int>(parts[4]);
+  if (parts.size() > 5) read(parts[5], material.gltf);  // not in pickles of 0.1
 }
 void read(nb::handle object, Texture& texture) {
   const auto parts = nb::cast<nb::tuple>(object);

@@ -179,9 +179,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
     });
   }
   throwIfCancelled(progress);
-  if (!files_.scene.empty()) meshes_.writeScene(kept(), attributes_, files_.scene);
-  if (!files_.usd.empty()) {
-    meshes_.writeUsd(kept(), attributes_, result_.labels.splits, files_, progress);
+  if (!files_.scene.empty() || !files_.usd.empty()) {
+    meshes_.writeScenes(kept(), attributes_, result_.labels.splits, files_, progress);
   }
   if (!files_.houdini.empty()) {
     meshes_.writeHoudini(kept(), attributes_, result_.labels.splits, files_.houdini, progress);

@@ -53,6 +53,10 @@ void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attrib
       writePlainObj(folder_ / paths[i], mesh);
       continue;
     }
+    if (options_.plainMeshes && format == MeshFileFormat::glb) {
+      writePlainGlb(folder_ / paths[i], name, mesh);
+      continue;
+    }
     writePiece(folder_ / paths[i], format, piece, library_);
   }
 }
@@ -65,31 +69,19 @@ std::vector<std::string> MeshWriter::namesOf(std::span<const Fragment> fragments
   return names;
 }
 
-void MeshWriter::writeScene(std::span<const Fragment> fragments,
-                            std::span<const SurfaceAttributes> attributes,
-                            const std::string& path) const {
-  const std::vector<std::string> names = namesOf(fragments);
-  std::vector<SceneNode> nodes;
-  for (std::size_t i = 0; i < fragments.size(); ++i) {
-    const Fragment& fragment = fragments[i];
-    nodes.push_back({{names[i], fragment.mesh, attributes[i], table_}, fragment.mass});
-  }
-  writeSceneGlb(folder_ / path, nodes, options_.density);
-}
-
-void MeshWriter::writeUsd(std::span<const Fragment> fragments,
+Scene MeshWriter::sceneOf(std::span<const Fragment> fragments,
                           std::span<const SurfaceAttributes> attributes,
-                          std::span<const Split> splits, const FractureFiles& files,
-                          const Progress* progress) const {
+                          std::span<const std::string> names, std::span<const Split> splits,
+                          const FractureFiles& files) const {
   const SplitParents parents = parentsOf(splits, fragments.size());
-  UsdScene scene{.name = stem_,
-                 .parentOfSplit = parents.ofSplit,
-                 .textureFolder = "meshes/",
-                 .density = options_.density,
-                 .strength = options_.jointStrength,
-                 .metersPerUnit = options_.metersPerUnit,
-                 .up = options_.up};
-  const std::vector<std::string> names = namesOf(fragments);
+  Scene scene{.name = stem_,
+              .parentOfSplit = parents.ofSplit,
+              .textureFolder = "meshes/",
+              .density = options_.density,
+              .strength = options_.jointStrength,
+              .metersPerUnit = options_.metersPerUnit,
+              .up = options_.up,
+              .plain = options_.plainMeshes};
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];
     scene.pieces.push_back(
@@ -100,6 +92,16 @@ void MeshWriter::writeUsd(std::span<const Fragment> fragments,
          .split = parents.ofFragment[static_cast<std::size_t>(fragment.id - 1)],
          .volume = options_.usdVolumes && !files.vdb.empty() ? files.vdb[i] : std::string()});
   }
+  return scene;
+}
+
+void MeshWriter::writeScenes(std::span<const Fragment> fragments,
+                             std::span<const SurfaceAttributes> attributes,
+                             std::span<const Split> splits, const FractureFiles& files,
+                             const Progress* progress) const {
+  const std::vector<std::string> names = namesOf(fragments);
+  const Scene scene = sceneOf(fragments, attributes, names, splits, files);
+  if (!files.scene.empty()) writeSceneGlb(folder_ / files.scene, scene, progress);
   for (std::size_t i = 0; i < files.usd.size(); ++i) {
     const OutputFile file = folder_ / files.usd[i];
     if (options_.usdFormats[i] == UsdFormat::usda) writeUsda(file, scene, progress);

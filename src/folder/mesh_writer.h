@@ -9,6 +9,7 @@
 #include "folder/manifest.h"
 #include "formats/mesh/materials.h"
 #include "formats/mesh/piece_mesh.h"
+#include "formats/mesh/scene.h"
 
 namespace sherd {
 
@@ -33,18 +34,12 @@ class MeshWriter {
   void write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
              const std::vector<std::string>& paths) const;
 
-  /// Writes all fragments as nodes of one .glb, named like their mesh files.
-  ///   attributes  [fragments] attributesOf their meshes
-  ///   path        in the folder
-  void writeScene(std::span<const Fragment> fragments,
-                  std::span<const SurfaceAttributes> attributes, const std::string& path) const;
-
-  /// Writes all fragments as a scene of USD, in all formats.
+  /// Writes all fragments as scenes: one .glb, and USD in all formats.
   ///   attributes  [fragments] attributesOf their meshes
   ///   splits      of the fracture, the withheld fragments' included
-  void writeUsd(std::span<const Fragment> fragments, std::span<const SurfaceAttributes> attributes,
-                std::span<const Split> splits, const FractureFiles& files,
-                const Progress* progress) const;
+  void writeScenes(std::span<const Fragment> fragments,
+                   std::span<const SurfaceAttributes> attributes, std::span<const Split> splits,
+                   const FractureFiles& files, const Progress* progress) const;
 
   /// Writes all fragments as polygons of one file for Houdini.
   ///   attributes  [fragments] attributesOf their meshes
@@ -57,6 +52,10 @@ class MeshWriter {
  private:
   // Returns [fragments] the names of their files.
   std::vector<std::string> namesOf(std::span<const Fragment> fragments) const;
+  //   names  [fragments] to which the scene refers
+  Scene sceneOf(std::span<const Fragment> fragments, std::span<const SurfaceAttributes> attributes,
+                std::span<const std::string> names, std::span<const Split> splits,
+                const FractureFiles& files) const;
 
   const OutputFolder& folder_;
   const MaterialTable& table_;

@@ -108,11 +108,14 @@ int kept(std::vector<Texture>& textures, Texture&& texture) {
 
 // Adds a mesh; the materials of all are those of the first, as one fracture has one table.
 void add(ReadMeshes& all, SourceMesh&& source) {
-  std::vector<int> number;
-  for (Texture& texture : source.appearance.textures) {
-    number.push_back(kept(all.textures, std::move(texture)));
-  }
   const std::vector<Material>& own = source.appearance.materials;
+  int last = -1;  // base colors precede normal maps and the like
+  for (const Material& material : own) last = std::max(last, material.texture);
+  std::vector<int> number;
+  for (int i = 0; i <= last; ++i) {
+    number.push_back(
+        kept(all.textures, std::move(source.appearance.textures[static_cast<std::size_t>(i)])));
+  }
   for (std::size_t i = all.materials.size(); i < own.size(); ++i) {
     const bool isInside = own[i].name == "inside";
     const int texture = own[i].texture < 0 ? -1 : number[static_cast<std::size_t>(own[i].texture)];

@@ -61,7 +61,8 @@ std::vector<std::string> writeViewer(const OutputFile& file, const FractureWrite
   scene.up = writer.options().up;
   scene.density = writer.options().density;
   scene.materials = materialsOf(writer.materials());
-  for (const MaterialTable::Image& image : writer.materials().textures) {
+  for (std::size_t i = 0; i < writer.materials().baseColorTextures(); ++i) {
+    const MaterialTable::Image& image = writer.materials().textures[i];
     scene.textures.push_back({image.file, image.bytes});
   }
   const SplitParents parents = parentsOf(result.labels.splits, result.fragments.size());

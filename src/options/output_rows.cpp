@@ -170,11 +170,12 @@ const Row kFileRows[]{
     {.name = "joint-strength",
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::jointStrength, aboveZero()),
-     .help = "Force that breaks a joint of scene.usda or graph.geo, per unit of its contact's area",
-     .details = "force that breaks a joint of `scene.usda` or `graph.geo`, per unit of its "
-                "contact's area: a tensile strength in the scene's units",
+     .help = "Force that breaks a joint of a scene or of graph.geo, per unit of its contact's area",
+     .details = "force that breaks a joint of `scene.glb`, `scene.usda` or `graph.geo`, per unit "
+                "of its contact's area: a tensile strength in the scene's units",
      .key = "joint_strength",
-     .recorded = [](R o) { return o.write.usd || o.write.graph || o.write.houdini; }},
+     .recorded =
+         [](R o) { return o.write.scene || o.write.usd || o.write.graph || o.write.houdini; }},
     {.name = "vdb",
      .group = "Files for hosts",
      .value = V::choice(kWrite, &WriteOptions::vdbFiles, names::kVdbFiles),
@@ -238,11 +239,12 @@ const Row kFileRows[]{
     {.name = "plain-meshes",
      .group = "",
      .value = V::flag(kWrite, &WriteOptions::plainMeshes),
-     .help = "Only vertices and triangles in .ply and .obj: no normals, neighbors or materials",
-     .details = "vertices and triangles only in `.ply` and `.obj`: no normals, neighbors "
-                "or materials",
+     .help =
+         "Only vertices and triangles in .ply, .obj and .glb: no normals, neighbors or materials",
+     .details = "vertices and triangles only in `.ply`, `.obj` and `.glb`: no normals, neighbors "
+                "or materials, and no vertex is repeated for them",
      .key = "plain_meshes",
-     .recorded = [](R o) { return o.write.mesh; }},
+     .recorded = [](R o) { return o.write.mesh || o.write.scene; }},
     {.name = "precision",
      .group = "",
      .value = V::choice(kWrite, &WriteOptions::precision, names::kPrecision),

@@ -268,17 +268,24 @@ std::vector<Rule> surfaceRules() {
 
 std::vector<Rule> formatRules() {
   return {
-      {{"triangles", "mesh-format", "plain-meshes"},
+      {{"triangles", "mesh-format"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"mesh"}); },
        "does nothing without mesh in {write}"},
       {{"plain-meshes"},
        Verdict::idle,
        [](O o, U) {
-         return writes(o, {"mesh"}) && !hasFormat(o, MeshFileFormat::ply) &&
-                !hasFormat(o, MeshFileFormat::obj);
+         return !writes(o, {"mesh", "scene"});
        },
-       "does nothing without ply or obj in {mesh-format}"},
+       "does nothing without mesh or scene in {write}"},
+      {{"plain-meshes"},
+       Verdict::idle,
+       [](O o, U) {
+         return writes(o, {"mesh"}) && !writes(o, {"scene"}) &&
+                !hasFormat(o, MeshFileFormat::ply) && !hasFormat(o, MeshFileFormat::obj) &&
+                !hasFormat(o, MeshFileFormat::glb);
+       },
+       "does nothing without ply, obj or glb in {mesh-format}"},
       {{"source-faces"},
        Verdict::idle,
        [](O o, U) { return o.write.plainMeshes; },
@@ -314,9 +321,9 @@ std::vector<Rule> usdRules() {
       {{"joint-strength"},
        Verdict::idle,
        [](O o, U) {
-         return !writes(o, {"usd", "graph", "houdini"});
+         return !writes(o, {"scene", "usd", "graph", "houdini"});
        },
-       "does nothing without usd, graph or houdini in {write}"},
+       "does nothing without scene, usd, graph or houdini in {write}"},
       {{"usd-format", "usd-volumes", "meters-per-unit"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"usd"}); },

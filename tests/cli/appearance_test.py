@@ -13,6 +13,7 @@ import numpy as np
 
 import skipping
 from cli_test import CommandLine, tree
+from glb_file import Glb
 from ply_file import columns, read_ply
 
 INSIDE = np.array([224, 214, 196])
@@ -58,74 +59,6 @@ def drum(colors=True, segments=48, rings=12):
             a, b = j * segments + i + 1, j * segments + (i + 1) % segments + 1
             lines.append(f"f {middle} {a} {b}" if j == 0 else f"f {middle} {b} {a}")
     return ("\n".join(lines) + "\n").encode()
-
-
-class Glb:
-    """A binary glTF file, checked against the rules of its specification that concern it."""
-
-    def __init__(self, test, path):
-        with open(path, "rb") as file:
-            data = file.read()
-        magic, version, length, json_length, json_type = struct.unpack("<4s4I", data[:20])
-        test.assertEqual((magic, version, length, json_type), (b"glTF", 2, len(data), 0x4E4F534A))
-        test.assertEqual(json_length % 4, 0)
-        self.json = json.loads(data[20:20 + json_length])
-        at = 20 + json_length
-        bin_length, bin_type = struct.unpack("<2I", data[at:at + 8])
-        test.assertEqual((bin_type, bin_length % 4, at + 8 + bin_length), (0x004E4942, 0, len(data)))
-        self.buffer = data[at + 8:]
-        self.check(test)
-
-    def view(self, i):
-        view = self.json["bufferViews"][i]
-        return self.buffer[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
-
-    def array(self, i):
-        a = self.json["accessors"][i]
-        kind = {5123: "<u2", 5125: "<u4", 5126: "<f4"}[a["componentType"]]
-        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[a["type"]]
-        return np.frombuffer(self.view(a["bufferView"]), kind).reshape(a["count"], width)
-
-    def primitives(self):
-        for p in self.json["meshes"][0]["primitives"]:
-            yield (self.json["materials"][p["material"]], self.array(p["indices"])[:, 0].reshape(-1, 3),
-                   {name: self.array(i) for name, i in p["attributes"].items()})
-
-    def check(self, test):
-        doc = self.json
-        test.assertEqual(doc["asset"]["version"], "2.0")
-        test.assertEqual([b["byteLength"] for b in doc["buffers"]], [len(self.buffer)])
-        used = set()
-        for view in doc["bufferViews"]:
-            test.assertEqual((view["buffer"], view["byteOffset"] % 4, "byteStride" in view), (0, 0, False))
-            test.assertGreater(view["byteLength"], 0)
-            test.assertLessEqual(view["byteOffset"] + view["byteLength"], len(self.buffer))
-            test.assertFalse(used & set(range(view["byteOffset"], view["byteOffset"] + view["byteLength"])))
-            used |= set(range(view["byteOffset"], view["byteOffset"] + view["byteLength"]))
-        for i, a in enumerate(doc["accessors"]):
-            test.assertLessEqual(set(a), {"bufferView", "componentType", "count", "type", "min", "max", "normalized"})
-            test.assertEqual(self.array(i).nbytes, doc["bufferViews"][a["bufferView"]]["byteLength"])
-            test.assertGreater(a["count"], 0)
-        for p in doc["meshes"][0]["primitives"]:
-            test.assertEqual(p.get("mode", 4), 4)
-            counts = {doc["accessors"][i]["count"] for i in p["attributes"].values()}
-            test.assertEqual(len(counts), 1)
-            for i in p["attributes"].values():
-                test.assertEqual(doc["bufferViews"][doc["accessors"][i]["bufferView"]]["target"], 34962)
-            test.assertEqual(doc["bufferViews"][doc["accessors"][p["indices"]]["bufferView"]]["target"], 34963)
-            test.assertLess(self.array(p["indices"]).max(), counts.pop())
-            place = doc["accessors"][p["attributes"]["POSITION"]]
-            test.assertEqual((place["componentType"], place["type"]), (5126, "VEC3"))
-            at = self.array(p["attributes"]["POSITION"])
-            test.assertEqual(place["min"], at.min(axis=0).tolist())
-            test.assertEqual(place["max"], at.max(axis=0).tolist())
-            normals = self.array(p["attributes"]["NORMAL"]).astype(float)
-            test.assertLess(abs(np.linalg.norm(normals, axis=1) - 1).max(), 1e-6)
-            if "COLOR_0" in p["attributes"]:
-                color = doc["accessors"][p["attributes"]["COLOR_0"]]
-                test.assertEqual((color["componentType"], color["normalized"], color["type"]), (5123, True, "VEC4"))
-        for texture in doc.get("textures", []):
-            test.assertEqual(doc["bufferViews"][doc["images"][texture["source"]]["bufferView"]].get("target"), None)
 
 
 def srgb(linear):

@@ -135,6 +135,38 @@ answer(things=[{**measures(o), "location": o.location[:], "materials": [m.name f
             np.testing.assert_allclose(thing["center"], [x, -z, y], atol=1e-4)
             self.assertAlmostEqual(thing["volume"] / says["volume"], 1, delta=1e-4)
 
+    def test_glb_pieces_are_closed(self):
+        """At once with --plain-meshes, else after vertices at equal positions are merged."""
+        places, faces = sphere(24, 48, center=(2.0, 3.0, 5.0), radius=1.5)
+        write_obj(self.made / "ball.obj", (places, faces))
+        for name, options in (("welded", ["--plain-meshes"]), ("split", [])):
+            out = self.tmp / name
+            manifest = self.fracture(out, self.made / "ball.obj", "--pieces", str(PIECES), "--write", "scene,mesh", "--mesh-format", "glb", *options)
+            reported = self.blender('''
+import bmesh
+if "bool" not in vars(np):
+    np.bool = bool
+bpy.ops.object.select_all(action="SELECT")
+bpy.ops.object.delete()
+for path in sys.argv[sys.argv.index("--") + 3:]:
+    bpy.ops.import_scene.gltf(filepath=path)
+bpy.context.view_layer.update()
+things = [o for o in bpy.data.objects if o.type == "MESH"]
+before = [measures(o)["closed"] for o in things]
+for thing in things:
+    mesh = bmesh.new()
+    mesh.from_mesh(thing.data)
+    bmesh.ops.remove_doubles(mesh, verts=mesh.verts, dist=1e-6)
+    mesh.to_mesh(thing.data)
+answer(before=before, merged=[measures(o) for o in things])
+''', out / "scene.glb", *(out / f["files"]["mesh"] for f in manifest["fragments"]))
+            self.assertEqual(len(reported["merged"]), 2 * PIECES)
+            self.assertEqual(set(reported["before"]), {name == "welded"})
+            for thing in reported["merged"]:
+                self.assertTrue(thing["closed"], thing["name"])
+                says = manifest["fragments"][int(thing["name"].split(".")[0][-3:]) - 1]
+                self.assertAlmostEqual(thing["volume"] / says["volume"], 1, delta=1e-4)
+
 
 # Renders meshes by their texture alone, one sample in the middle of each pixel, and writes the pixels.
 RENDER = '''

@@ -11,7 +11,7 @@ import unittest
 
 import numpy as np
 
-from appearance_test import Glb
+from glb_file import Glb
 from cli_test import CommandLine
 from exact_test import TEETH, gear
 

@@ -16,35 +16,11 @@ import skipping
 import voxel_formats
 from cli_test import CommandLine
 from geo_file import Geometry
+from glb_file import PHYSICS, Glb, volume
 from ply_file import read_triangles
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
 PIECES = 6
-
-
-def read_glb(path):
-    """The JSON and the buffer."""
-    with open(path, "rb") as file:
-        data = file.read()
-    magic, version, length = struct.unpack_from("<4sII", data)
-    assert (magic, version, length) == (b"glTF", 2, len(data))
-    size, kind = struct.unpack_from("<I4s", data, 12)
-    assert kind == b"JSON"
-    return json.loads(data[20:20 + size]), data[28 + size:]
-
-
-def accessor(document, buffer, number):
-    """[count, components] of float32 or uint32."""
-    of = document["accessors"][number]
-    view = document["bufferViews"][of["bufferView"]]
-    kind = {5126: "<f4", 5125: "<u4"}[of["componentType"]]
-    width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}[of["type"]]
-    return np.frombuffer(buffer, kind, of["count"] * width, view["byteOffset"]).reshape(-1, width)
-
-
-def volume(vertices, triangles):
-    a, b, c = (vertices[triangles[:, k]].astype(float) for k in range(3))
-    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
 
 
 class Hosts(CommandLine):
@@ -201,26 +177,23 @@ class Hosts(CommandLine):
 
     def test_scene_has_a_body_for_each_fragment(self):
         manifest = self.broken("--write", "scene,mesh", "--density", "3")
-        document, buffer = read_glb(os.path.join(self.out, "scene.glb"))
-        self.assertEqual(document["extensionsUsed"], ["KHR_physics_rigid_bodies"])
-        self.assertEqual(document["scenes"][0]["nodes"], list(range(PIECES)))
-        self.assertEqual([m["name"] for m in document["materials"]], ["outside", "inside"])
-        for node, fragment in zip(document["nodes"], manifest["fragments"], strict=True):
+        file = Glb(self, os.path.join(self.out, "scene.glb"))
+        self.assertEqual(file.json["extensionsUsed"], ["EXT_mesh_manifold", PHYSICS])
+        self.assertEqual(file.json["scenes"][0]["nodes"], list(range(PIECES)))
+        self.assertEqual([m["name"] for m in file.json["materials"]], ["outside", "inside"])
+        for i, fragment in enumerate(manifest["fragments"]):
+            node = file.json["nodes"][i]
             self.assertEqual(node["name"], f"amphora_{fragment['id']:03d}")
             self.assertEqual(node["translation"], fragment["centroid"])
-            motion = node["extensions"]["KHR_physics_rigid_bodies"]["motion"]
+            motion = file.physics(i)["motion"]
             self.assertEqual(motion["mass"], 3 * fragment["volume"])
             self.assertAlmostEqual(sum(motion["inertiaDiagonal"]), 3 * sum(fragment["inertia"][:3]), delta=1e-9)
             self.assertAlmostEqual(np.linalg.norm(motion["inertiaOrientation"]), 1)
-            total, low, high = 0.0, [], []
-            for primitive in document["meshes"][node["mesh"]]["primitives"]:
-                at = accessor(document, buffer, primitive["attributes"]["POSITION"])
-                total += volume(at, accessor(document, buffer, primitive["indices"]).reshape(-1, 3))
-                low.append(at.min(0))
-                high.append(at.max(0))
-            self.assertAlmostEqual(total / fragment["volume"], 1, delta=1e-4)
-            np.testing.assert_allclose(np.min(low, 0) + node["translation"], fragment["bbox"]["min"], atol=1e-5)
-            np.testing.assert_allclose(np.max(high, 0) + node["translation"], fragment["bbox"]["max"], atol=1e-5)
+            at, triangles, merged = file.whole(node["mesh"])
+            self.assertIsNotNone(merged, "a closed mesh")
+            self.assertAlmostEqual(volume(at, triangles) / fragment["volume"], 1, delta=1e-4)
+            np.testing.assert_allclose(at.min(0) + node["translation"], fragment["bbox"]["min"], atol=1e-5)
+            np.testing.assert_allclose(at.max(0) + node["translation"], fragment["bbox"]["max"], atol=1e-5)
 
     def test_graph_has_a_bond_for_each_contact(self):
         manifest = self.broken("--write", "graph")
@@ -253,7 +226,11 @@ class Hosts(CommandLine):
             graph = json.load(file)
         self.assertEqual(len(graph["chunks"]), left + 1)
         self.assertTrue(all(max(b["chunkIndices"]) <= left for b in graph["bonds"]))
-        self.assertEqual(len(read_glb(os.path.join(self.out, "scene.glb"))[0]["nodes"]), left)
+        scene = Glb(self, os.path.join(self.out, "scene.glb"))
+        self.assertEqual(sum("mesh" in node for node in scene.json["nodes"]), left)
+        for i, node in enumerate(scene.json["nodes"]):
+            if "joint" in scene.physics(i):
+                self.assertLessEqual(max(map(int, node["name"].split("_")[1:])), left)
         self.assertEqual(len(manifest["fragments"]), left)
 
     def test_proxies_are_convex_and_hold_the_fragments(self):

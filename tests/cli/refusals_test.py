@@ -98,7 +98,7 @@ class Together(CommandLine):
             ("--smooth-weight", "0.5"), ("--smooth-boundary-weight", "0.5", "--smooth-iterations", "2"), ("--triangles", "500"), ("--mesh-format", "obj"),
             ("--interface", "independent", "--surface", "exact"),
             ("--precision", "double"), ("--precision", "double", "--write", "mesh", "--mesh-format", "glb"),
-            ("--plain-meshes",), ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb"), ("--voxel-format", "npy", "--write", "mesh"),
+            ("--plain-meshes",), ("--plain-meshes", "--write", "mesh", "--mesh-format", "stl"), ("--voxel-format", "npy", "--write", "mesh"),
             ("--vdb", "single"), ("--half",), ("--compress", "zip"), ("--density", "2"), ("--proxy-gap", "0.1"), ("--up", "z"),
             ("--usd-format", "usdz"), ("--usd-volumes",), ("--usd-volumes", "--write", "usd"), ("--joint-strength", "2"), ("--meters-per-unit", "2"),
             ("--write", "labels,fog"), ("--write", "labels,solid"), ("--share-points", "--points", "0"), ("--point-sampler", "halton", "--points", "0"),
@@ -107,11 +107,11 @@ class Together(CommandLine):
             ("--neighborhood", "26", "--growth", "flood"), ("--merge-metric", "manhattan", "--extra-seeds", "2n"), ("--size-spread", "1", "--extra-seeds", "2n"),
             ("--merge-metric", "manhattan", "--impact", "0,0,1,2,merge"), ("--erode-size", "5", "--erode-iterations", "1"),
             ("--interface", "independent"), ("--smooth-weight", "0.5", "--smooth-iterations", "0.1k"), ("--triangles", "500", "--write", "mesh"),
-            ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,obj"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),
+            ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,stl"), ("--plain-meshes", "--write", "scene"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),
             ("--precision", "double", "--write", "mesh"),
             ("--density", "2", "--write", "graph"), ("--proxy-gap", "0.1", "--write", "proxy"), ("--up", "z", "--write", "preview"), ("--up", "z", "--write", "usd"),
             ("--usd-volumes", "--joint-strength", "2", "--meters-per-unit", "2", "--write", "usd,vdb"),
-            ("--joint-strength", "2", "--write", "graph"), ("--joint-strength", "2", "--write", "houdini"),
+            ("--joint-strength", "2", "--write", "graph"), ("--joint-strength", "2", "--write", "houdini"), ("--joint-strength", "2", "--write", "scene"),
             ("--points", "5", "--point-sampler", "halton"), ("--preset", "paper"), ("--preset", "training"),
             ("--preset", "paper", "--neighborhood", "26"))
 

@@ -69,4 +69,24 @@ int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh) {
   return static_cast<int>(mesh.appearance.textures.size()) - 1;
 }
 
+bool isGrayImage(std::string_view bytes) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+  constexpr std::size_t kColorType = 25;  // of PNG: 0 gray, 4 gray with alpha
+  const ImageType type = imageType(bytes);
+  if (type == ImageType::png) {
+    return bytes.size() > kColorType && (at(kColorType) == 0 || at(kColorType) == 4);
+  }
+  if (type != ImageType::jpeg) return false;
+  // Segments of JPEG: ff, kind, length; a frame's header is of a kind from c0
+  // to cf, but for three.
+  for (std::size_t i = 2; i + 9 < bytes.size() && at(i) == 0xff;) {
+    const unsigned kind = at(i + 1);
+    if (kind >= 0xc0 && kind <= 0xcf && kind != 0xc4 && kind != 0xc8 && kind != 0xcc) {
+      return at(i + 9) == 1;  // components
+    }
+    i += 2 + 256u * at(i + 2) + at(i + 3);
+  }
+  return false;
+}
+
 }  // namespace sherd

@@ -32,4 +32,7 @@ struct NamedFile {
 /// be read.
 [[nodiscard]] int textureBeside(const MeshFile& file, std::string_view name, RawMesh& mesh);
 
+/// Returns whether a PNG or JPEG has one color channel.
+[[nodiscard]] bool isGrayImage(std::string_view bytes);
+
 }  // namespace sherd

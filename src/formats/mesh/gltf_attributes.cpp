@@ -9,6 +9,7 @@
 
 #include "base/text_scan.h"
 #include "formats/mesh/beside.h"
+#include "formats/mesh/gltf_texture_uses.h"
 
 namespace sherd {
 namespace {
@@ -72,21 +73,86 @@ class EmbeddedImages {
   std::vector<std::size_t> before_{0};
 };
 
-int textureOf(const GltfDocument& document, const Json& material, EmbeddedImages& images,
-              RawMesh& mesh) {
-  const Json& use = baseColorTexture(material);
-  if (!use.contains("index")) return -1;
-  const Json& texture = document.at("textures", document.number(use, "index"));
-  if (!texture.contains("source")) {
-    mesh.warnings.push_back(document.file().name +
-                            ": a texture is of a kind that is not read, so it is left out");
-    return -1;
+// Reads the textures of materials.
+class Textures {
+ public:
+  Textures(const GltfDocument& document, RawMesh& mesh)
+      : document_(document), images_(document), mesh_(mesh) {}
+
+  // Returns the index in the mesh of the image of a use of a texture, which is read once; -1 if it
+  // cannot be read.
+  int imageOf(const Json& use) {
+    const std::size_t index = document_.number(use, "index");
+    const auto [known, isNew] = imageOf_.try_emplace(index, -1);
+    if (isNew) known->second = read(document_.at("textures", index));
+    return known->second;
   }
-  const std::size_t source = document.number(texture, "source");
-  const Json& image = document.at("images", source);
-  if (isEmbedded(image)) return images.textureOf(source, mesh);
-  return textureBeside(document.file(),
-                       percentDecoded(image.at("uri").get_ref<const std::string&>()), mesh);
+
+  // Makes a use refer to the mesh's image and coordinates.
+  //   texcoordSet  which the mesh has
+  //   return       false if it cannot
+  bool resolve(Json& use, std::size_t texcoordSet) {
+    if (!use["index"].is_number_unsigned()) return false;
+    const std::size_t index = document_.number(use, "index");
+    const int image = imageOf(use);
+    if (image < 0) return false;
+    if (setOf(document_, use) != texcoordSet) {
+      if (!std::exchange(warnedOfSet_, true)) {
+        mesh_.warnings.push_back(document_.file().name +
+                                 ": a texture has other coordinates than the base color, so it is "
+                                 "left out");
+      }
+      return false;
+    }
+    use["index"] = image;
+    use.erase("texCoord");
+    use.erase("sampler");
+    if (use.contains("extensions") && use["extensions"].contains("KHR_texture_transform")) {
+      use["extensions"]["KHR_texture_transform"].erase("texCoord");
+    }
+    const Json& texture = document_.at("textures", index);
+    if (texture.contains("sampler")) {
+      use["sampler"] = document_.at("samplers", document_.number(texture, "sampler"));
+    }
+    return true;
+  }
+
+  // Returns the set of texture coordinates that a use has.
+  static std::size_t setOf(const GltfDocument& document, const Json& use) {
+    const Json& transform =
+        GltfDocument::member(GltfDocument::member(use, "extensions"), "KHR_texture_transform");
+    return document.number(transform, "texCoord", document.number(use, "texCoord"));
+  }
+
+ private:
+  int read(const Json& texture) {
+    if (!texture.contains("source")) {
+      mesh_.warnings.push_back(document_.file().name +
+                               ": a texture is of a kind that is not read, so it is left out");
+      return -1;
+    }
+    const std::size_t source = document_.number(texture, "source");
+    const Json& image = document_.at("images", source);
+    if (isEmbedded(image)) return images_.textureOf(source, mesh_);
+    return textureBeside(document_.file(),
+                         percentDecoded(image.at("uri").get_ref<const std::string&>()), mesh_);
+  }
+
+  const GltfDocument& document_;
+  EmbeddedImages images_;
+  std::map<std::size_t, int> imageOf_;  // by texture
+  bool warnedOfSet_ = false;
+  RawMesh& mesh_;
+};
+
+// Returns the material for Material::gltf.
+std::string gltfOf(const GltfDocument& document, Json material, bool textured,
+                   std::size_t texcoordSet, Textures& textures) {
+  charge(document.file(), material.dump().size());
+  material.erase("name");
+  forEachTextureUse(material,
+                    [&](Json& use) { return textured && textures.resolve(use, texcoordSet); });
+  return material.dump();
 }
 
 glm::vec3 baseColor(const Json& material) {
@@ -103,14 +169,23 @@ glm::vec3 baseColor(const Json& material) {
 
 std::size_t texcoordSetOf(const GltfDocument& document, std::size_t material) {
   if (material >= document.array("materials").size()) return 0;
-  return document.number(baseColorTexture(document.at("materials", material)), "texCoord");
+  const Json& json = document.at("materials", material);
+  const Json& pbr = GltfDocument::member(json, "pbrMetallicRoughness");
+  for (const Json* use : {&GltfDocument::member(pbr, "baseColorTexture"),
+                          &GltfDocument::member(json, "normalTexture"),
+                          &GltfDocument::member(pbr, "metallicRoughnessTexture"),
+                          &GltfDocument::member(json, "occlusionTexture"),
+                          &GltfDocument::member(json, "emissiveTexture")}) {
+    if (use->contains("index")) return Textures::setOf(document, *use);
+  }
+  return 0;
 }
 
 std::vector<std::uint32_t> addMaterials(const GltfDocument& document, const std::vector<bool>& used,
                                         bool textured, RawMesh& out) {
   std::vector<std::uint32_t> numbers(used.size(), 0);
   std::vector<Material>& materials = out.appearance.materials;
-  EmbeddedImages images(document);
+  Textures textures(document, out);
   bool hasContent = false;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
@@ -119,16 +194,24 @@ std::vector<std::uint32_t> addMaterials(const GltfDocument& document, const std:
       const Json& source = document.at("materials", i);
       material.name = source.value("name", std::string());
       material.color = baseColor(source);
-      if (textured) material.texture = textureOf(document, source, images, out);
+      const Json& use = baseColorTexture(source);
+      if (textured && use.contains("index")) material.texture = textures.imageOf(use);
+      hasContent |= source.size() > (source.contains("name") ? 1u : 0u);
     }
-    hasContent |=
-        !material.name.empty() || material.texture >= 0 || material.color != glm::vec3(1.0f);
+    hasContent |= !material.name.empty();
     numbers[i] = static_cast<std::uint32_t>(materials.size());
     materials.push_back(std::move(material));
   }
-  if (hasContent) return numbers;
-  materials.clear();
-  return {};
+  if (!hasContent) {
+    materials.clear();
+    return {};
+  }
+  for (std::size_t i = 0; i + 1 < used.size(); ++i) {  // normal maps and the like are read last
+    if (!used[i]) continue;
+    materials[numbers[i]].gltf = gltfOf(document, document.at("materials", i), textured,
+                                        texcoordSetOf(document, i), textures);
+  }
+  return numbers;
 }
 
 }  // namespace sherd

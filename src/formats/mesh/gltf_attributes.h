@@ -9,7 +9,8 @@
 
 namespace sherd {
 
-/// Returns the set of texture coordinates of a material's base color; 0 if it has no texture.
+/// Returns the set of texture coordinates of a material's base color, or of its first texture if
+/// that has none; 0 if it has no texture.
 ///   material    an index into the file's materials, or their number for none
 [[nodiscard]] std::size_t texcoordSetOf(const GltfDocument& document, std::size_t material);
 
@@ -17,8 +18,8 @@ namespace sherd {
 /// number among these; others are read from beside the file.
 ///   used      [materials of the file + 1] the last is for faces without a material
 ///   textured  whether there are texture coordinates; else textures are left out
-///   returns   [materials of the file + 1] indices in `out`; empty if no material has a name, color
-///             or texture
+///   returns   [materials of the file + 1] indices in `out`; empty if no material has a name or a
+///             property
 [[nodiscard]] std::vector<std::uint32_t> addMaterials(const GltfDocument& document,
                                                       const std::vector<bool>& used, bool textured,
                                                       RawMesh& out);

@@ -115,7 +115,7 @@ const Json& GltfDocument::at(const char* name, std::size_t index) const {
 void GltfDocument::checkShape() const {
   if (!json_.is_object()) throw bad("its JSON is not an object");
   for (const char* name : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes",
-                           "materials", "textures", "images"}) {
+                           "materials", "textures", "images", "samplers"}) {
     const auto found = json_.find(name);
     if (found == json_.end()) continue;
     if (!found->is_array() ||

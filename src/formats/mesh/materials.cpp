@@ -9,6 +9,7 @@
 
 #include "base/number_text.h"
 #include "base/safe_name.h"
+#include "formats/mesh/gltf_material.h"
 
 namespace sherd {
 namespace {
@@ -49,10 +50,11 @@ MaterialTable materialTable(const Appearance& appearance) {
   for (const Material& material : appearance.materials) {
     const std::string name =
         material.name.empty() ? "outside" : withoutBlanks(safeName(material.name, "outside"));
-    table.materials.push_back({uniqueName(name, "", names), material.color, material.texture});
+    table.materials.push_back(
+        {uniqueName(name, "", names), material.color, material.texture, material.gltf});
   }
   if (table.materials.empty()) table.materials.push_back({"outside"});
-  table.materials.push_back({"inside", glm::vec3(kInsideColor) / 255.0f});
+  table.materials.push_back({"inside", linearFromSrgb(kInsideColor)});
 
   std::set<std::string> files;
   for (const Texture& texture : appearance.textures) {
@@ -81,14 +83,48 @@ bool isTextureName(const std::string& file) {
          isImageEnding(std::filesystem::path(file).extension().string());
 }
 
+namespace {
+
+// Appends what a material of glTF has besides its color, and its maps.
+void appendMtl(std::string& text, const MaterialTable& table, const MaterialTable::Entry& entry) {
+  const PbrMaterial pbr = entry.gltf.empty() ? PbrMaterial() : pbrOf(entry.gltf);
+  const auto number = [&text](const char* keyword, double value) {
+    appendFloat((text += keyword) += ' ', static_cast<float>(value));
+    text += '\n';
+  };
+  const auto map = [&](const char* keyword, int texture) {
+    if (texture < 0 || static_cast<std::size_t>(texture) >= table.textures.size()) return;
+    text.append(keyword).append(" ").append(table.textures[static_cast<std::size_t>(texture)].file);
+    text += '\n';
+  };
+  const bool isOpaque = pbr.alpha == PbrMaterial::Alpha::opaque;
+  if (!entry.gltf.empty()) {
+    number("Pr", pbr.roughness);
+    number("Pm", pbr.metallic);
+    if (pbr.emission != glm::dvec3(0.0)) {
+      text += "Ke";
+      for (int i = 0; i < 3; ++i) appendFloat(text += ' ', static_cast<float>(pbr.emission[i]));
+      text += '\n';
+    }
+    if (!isOpaque) number("d", pbr.opacity);
+  }
+  text += "illum 1\n";
+  map("map_Kd", entry.texture);
+  if (!isOpaque) map("map_d", entry.texture);
+  map("map_Pr -imfchan g", pbr.roughnessTexture);
+  if (pbr.metallic > 0.0) map("map_Pm -imfchan b", pbr.roughnessTexture);
+  map("norm", pbr.normalTexture);
+  map("map_Ke", pbr.emissionTexture);
+}
+
+}  // namespace
+
 std::string mtlText(const MaterialTable& table) {
   std::string text = "# the materials of the pieces beside this file\n";
   for (const MaterialTable::Entry& material : table.materials) {
     text += "\nnewmtl " + material.name + "\nKd";
     for (int i = 0; i < 3; ++i) appendFloat(text += ' ', material.color[i]);
-    text += "\nillum 1\n";
-    if (material.texture < 0) continue;
-    text += "map_Kd " + table.textures[static_cast<std::size_t>(material.texture)].file + "\n";
+    appendMtl(text += '\n', table, material);
   }
   return text;
 }

@@ -3,6 +3,9 @@
 
 #include <sherd/mesh.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,7 +16,8 @@ struct MaterialTable {
   struct Entry {
     std::string name;  ///< unique, UTF-8 without blanks
     glm::vec3 color{1.0f};
-    int texture = -1;  ///< an index into textures; -1: none
+    int texture = -1;    ///< an index into textures; -1: none
+    std::string gltf{};  ///< see Material::gltf
   };
   struct Image {
     std::string file;   ///< unique, without a folder
@@ -26,6 +30,14 @@ struct MaterialTable {
 
   [[nodiscard]] std::uint32_t inside() const {
     return static_cast<std::uint32_t>(materials.size()) - 1;
+  }
+
+  /// Returns how many textures, from the first, contain those of all base colors.  Readers add
+  /// these before normal maps and the like, which some formats cannot use.
+  [[nodiscard]] std::size_t baseColorTextures() const {
+    int last = -1;
+    for (const Entry& entry : materials) last = std::max(last, entry.texture);
+    return static_cast<std::size_t>(last + 1);
   }
 };
 

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <utility>
 
 #include "base/text_scan.h"
+#include "formats/mesh/gltf_material.h"
 
 namespace sherd {
 namespace {
@@ -45,6 +47,54 @@ std::string_view withoutOptions(std::string_view line) {
   }
 }
 
+// Returns the first numbers of a line; nothing if one is not a number.
+std::optional<glm::vec3> colorOf(std::string_view rest) {
+  glm::vec3 color(0.0f);
+  for (int i = 0; i < 3; ++i) {
+    const auto value = parseReal(takeWord(rest));
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    color[i] = std::max(static_cast<float>(*value), 0.0f);
+  }
+  return color;
+}
+
+std::optional<double> shareOf(std::string_view rest) {
+  std::string_view after = rest;
+  if (takeWord(after) == "-halo") rest = after;
+  const auto value = parseReal(takeWord(rest));
+  if (!value || !std::isfinite(*value)) return std::nullopt;
+  return std::clamp(static_cast<double>(*value), 0.0, 1.0);
+}
+
+void take(std::string_view keyword, std::string_view rest, MtlMaterial& material) {
+  const std::array<std::pair<std::string_view, std::string*>, 10> maps{
+      {{"map_Kd", &material.texture},
+       {"map_Pr", &material.roughnessMap},
+       {"map_Pm", &material.metallicMap},
+       {"map_Ke", &material.emissionMap},
+       {"map_d", &material.opacityMap},
+       {"norm", &material.normalMap},
+       {"map_Bump", &material.bumpMap},
+       {"map_bump", &material.bumpMap},
+       {"bump", &material.bumpMap},
+       {"Bump", &material.bumpMap}}};
+  for (const auto& [name, map] : maps) {
+    if (keyword == name) *map = withoutOptions(rest);
+  }
+  if (keyword == "Kd") {
+    if (const auto color = colorOf(rest)) material.color = glm::min(*color, glm::vec3(1.0f));
+  }
+  if (keyword == "Ke") {
+    if (const auto color = colorOf(rest)) material.emission = *color;
+  }
+  const std::array<std::pair<std::string_view, std::optional<double>*>, 3> shares{
+      {{"Pr", &material.roughness}, {"Pm", &material.metallic}, {"d", &material.opacity}}};
+  for (const auto& [name, value] : shares) {
+    if (keyword != name) continue;
+    if (const auto share = shareOf(rest)) *value = *share;
+  }
+}
+
 }  // namespace
 
 void addMtl(std::string_view text, std::map<std::string, MtlMaterial>& materials) {
@@ -57,19 +107,50 @@ void addMtl(std::string_view text, std::map<std::string, MtlMaterial>& materials
     if (keyword == "newmtl") {
       const auto [at, isNew] = materials.try_emplace(std::string(trimmed(rest)));
       material = isNew ? &at->second : &ignored;
-    } else if (material != nullptr && keyword == "Kd") {
-      glm::vec3 color(0.0f);
-      bool good = true;
-      for (int i = 0; i < 3; ++i) {
-        const auto value = parseReal(takeWord(rest));
-        good = good && value && std::isfinite(*value);
-        if (good) color[i] = std::clamp(static_cast<float>(*value), 0.0f, 1.0f);
-      }
-      if (good) material->color = color;
-    } else if (material != nullptr && keyword == "map_Kd") {
-      material->texture = withoutOptions(rest);
+    } else if (material != nullptr) {
+      take(keyword, rest, *material);
     }
   }
+}
+
+std::string gltfOf(const MtlMaterial& material, int texture,
+                   const std::function<int(const std::string&)>& textureOf,
+                   const std::function<bool(int)>& isGray, std::vector<std::string>& leftOut) {
+  PbrMaterial pbr;
+  const auto map = [&](const std::string& name) { return name.empty() ? -1 : textureOf(name); };
+  pbr.roughness = material.roughness.value_or(1.0);
+  pbr.metallic = material.metallic.value_or(0.0);
+  // One texture has both. A gray one has roughness, with a metallic factor of 0
+  // nothing else.
+  const bool hasBoth = material.roughnessMap == material.metallicMap;
+  if (hasBoth || (material.metallicMap.empty() && pbr.metallic == 0.0)) {
+    pbr.roughnessTexture = map(material.roughnessMap);
+    if (pbr.roughnessTexture >= 0 && pbr.roughness == 0.0) pbr.roughness = 1.0;
+    if (pbr.roughnessTexture >= 0 && hasBoth && pbr.metallic == 0.0) pbr.metallic = 1.0;
+  } else {
+    for (const std::string& name : {material.roughnessMap, material.metallicMap}) {
+      if (!name.empty()) leftOut.push_back(name);
+    }
+  }
+  pbr.normalTexture = map(material.normalMap);
+  if (material.normalMap.empty() && !material.bumpMap.empty()) {
+    pbr.normalTexture = map(material.bumpMap);
+    if (pbr.normalTexture >= 0 && isGray(pbr.normalTexture)) {
+      leftOut.push_back(material.bumpMap);
+      pbr.normalTexture = -1;
+    }
+  }
+  pbr.emissionTexture = map(material.emissionMap);
+  pbr.emission = material.emission.value_or(glm::vec3(0.0f));
+  if (pbr.emissionTexture >= 0 && pbr.emission == glm::dvec3(0.0)) pbr.emission = glm::dvec3(1.0);
+  pbr.opacity = material.opacity.value_or(1.0);
+  const bool hasAlphaMap = texture >= 0 && material.opacityMap == material.texture;
+  if (!hasAlphaMap && !material.opacityMap.empty()) leftOut.push_back(material.opacityMap);
+  if (pbr.opacity < 1.0 || hasAlphaMap) pbr.alpha = PbrMaterial::Alpha::blend;
+  const bool isPlain = pbr.roughness == 1.0 && pbr.metallic == 0.0 && pbr.roughnessTexture < 0 &&
+                       pbr.normalTexture < 0 && pbr.emissionTexture < 0 &&
+                       pbr.emission == glm::dvec3(0.0) && pbr.alpha == PbrMaterial::Alpha::opaque;
+  return isPlain ? "" : gltfOf(pbr, material.color, texture);
 }
 
 }  // namespace sherd

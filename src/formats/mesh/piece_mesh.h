@@ -88,9 +88,10 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 ///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 
-/// Writes PLY and OBJ with vertices and triangles only.
+/// Writes PLY, OBJ and binary glTF with vertices and triangles only.
 void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
 void writePlainObj(const OutputFile& file, const TriangleMesh& mesh);
+void writePlainGlb(const OutputFile& file, const std::string& name, const TriangleMesh& mesh);
 
 /// Writes binary STL: triangles with their normals only.
 void writePieceStl(const OutputFile& file, const PieceMesh& piece);
@@ -107,18 +108,8 @@ void writePieceBinm(const OutputFile& file, const PieceMesh& piece);
 void writePiece(const OutputFile& file, MeshFileFormat format, const PieceMesh& piece,
                 const std::string& library);
 
-/// A fragment of a scene.
-struct SceneNode {
-  PieceMesh piece;
-  MassProperties mass;
-};
-
-/// Writes binary glTF 2.0 with several fragments that share one table of materials: a node for each
-/// at its center of mass, with mass and inertia in the extension KHR_physics_rigid_bodies.
-///   density  mass per unit of volume
-void writeSceneGlb(const OutputFile& file, std::span<const SceneNode> nodes, double density);
-
-/// Writes binary glTF 2.0 with embedded PNG and JPEG textures; one node, a primitive per material.
+/// Writes binary glTF 2.0 with embedded PNG and JPEG textures: one node with one mesh, see
+/// addGlbMesh.
 void writePieceGlb(const OutputFile& file, const PieceMesh& piece);
 
 }  // namespace sherd

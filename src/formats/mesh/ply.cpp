@@ -125,9 +125,9 @@ std::string commentsOf(const PieceMesh& piece) {
     if (material.texture >= 0) text.append(" ").append(std::to_string(material.texture));
     text.append("\n");
   }
-  for (const MaterialTable::Image& image : piece.materials.textures) {
+  for (std::size_t i = 0; i < piece.materials.baseColorTextures(); ++i) {
     if (attributes.texcoords.empty()) break;
-    text.append("comment TextureFile ").append(image.file).append("\n");
+    text.append("comment TextureFile ").append(piece.materials.textures[i].file).append("\n");
   }
   return text;
 }
@@ -138,7 +138,7 @@ class FaceRecords {
   explicit FaceRecords(const PieceMesh& piece)
       : piece_(piece),
         hasTexcoords_(!piece.attributes.texcoords.empty()),
-        hasTextures_(hasTexcoords_ && piece.materials.textures.size() > 1),
+        hasTextures_(hasTexcoords_ && piece.materials.baseColorTextures() > 1),
         hasMaterials_(!piece.attributes.material.empty()),
         faces_(
             piece, [this](std::uint32_t a, std::uint32_t b) { return isSame(a, b); }, kMost) {}

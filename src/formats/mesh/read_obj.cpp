@@ -264,13 +264,35 @@ struct Reader {
         addMtl(*text, known);
       }
     }
+    addProperties(known, out);
+  }
+
+  // Textures of base colors precede the others.
+  void addProperties(const std::map<std::string, MtlMaterial>& known, RawMesh& out) const {
+    const bool textured = !mesh.cornerTexcoords.empty();
+    const auto textureOf = [&](const std::string& name) {
+      return textured ? textureBeside(file, name, out) : -1;
+    };
     for (Material& named : out.appearance.materials) {
       const auto found = known.find(named.name);
       if (found == known.end()) continue;
       named.color = found->second.color;
-      if (!mesh.cornerTexcoords.empty() && !found->second.texture.empty()) {
-        named.texture = textureBeside(file, found->second.texture, out);
-      }
+      if (!found->second.texture.empty()) named.texture = textureOf(found->second.texture);
+    }
+    std::vector<std::string> leftOut;
+    const auto isGray = [&](int texture) {
+      return isGrayImage(out.appearance.textures[static_cast<std::size_t>(texture)].bytes);
+    };
+    for (Material& named : out.appearance.materials) {
+      const auto found = known.find(named.name);
+      if (found == known.end()) continue;
+      named.gltf = gltfOf(found->second, named.texture, textureOf, isGray, leftOut);
+    }
+    for (const std::string& name : leftOut) {
+      if (!textured) break;
+      out.warnings.push_back(file.name + ": its texture " + inQuotes(name) +
+                             " is for one property alone, or of heights, which no other format "
+                             "has, so it is left out");
     }
   }
 

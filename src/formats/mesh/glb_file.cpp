@@ -1,0 +1,77 @@
+// A binary glTF 2.0 file in the making.
+#include "formats/mesh/glb_file.h"
+
+#include <sherd/error.h>
+
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "base/little_endian.h"
+#include "base/version.h"
+
+namespace sherd {
+namespace {
+
+void storeChunk(std::string& bytes, const char* type, const std::string& content) {
+  storeLittle(bytes, static_cast<std::uint32_t>(content.size()));
+  bytes.append(type, 4).append(content);
+}
+
+}  // namespace
+
+std::size_t GlbFile::end(int target, int stride) {
+  Json view = {{"buffer", 0}, {"byteOffset", from_}, {"byteLength", bytes.size() - from_}};
+  if (stride != 0) view["byteStride"] = stride;
+  if (target != kGltfNoTarget) view["target"] = target;
+  bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+  views.push_back(std::move(view));
+  return views.size() - 1;
+}
+
+std::size_t GlbFile::accessor(std::size_t view, int componentType, std::size_t count,
+                              const char* type) {
+  accessors.push_back(
+      {{"bufferView", view}, {"componentType", componentType}, {"count", count}, {"type", type}});
+  return accessors.size() - 1;
+}
+
+GlbFile::Json GlbFile::document(const std::vector<std::size_t>& roots) {
+  Json json = {{"asset", {{"version", "2.0"}, {"generator", "Sherd " SHERD_VERSION}}}};
+  if (!extensionsUsed.empty()) json["extensionsUsed"] = extensionsUsed;
+  if (!extensions.empty()) json["extensions"] = std::move(extensions);
+  json["scene"] = 0;
+  json["scenes"] = Json::array({{{"nodes", roots}}});
+  const auto add = [&json](const char* name, Json& array) {
+    if (!array.empty()) json[name] = std::move(array);
+  };
+  add("nodes", nodes);
+  add("meshes", meshes);
+  add("materials", materials);
+  add("textures", textures);
+  add("samplers", samplers);
+  add("images", images);
+  add("accessors", accessors);
+  add("bufferViews", views);
+  json["buffers"] = Json::array({{{"byteLength", bytes.size()}}});
+  return json;
+}
+
+void GlbFile::write(const OutputFile& file, const std::vector<std::size_t>& roots) {
+  std::string text = document(roots).dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::size_t length = 12 + 8 + text.size() + 8 + bytes.size();
+  if (length > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorCode::output, file.string() + ": would have " + std::to_string(length) +
+                                       " bytes; binary glTF holds less than 2^32");
+  }
+  std::string whole = "glTF";
+  whole.reserve(length);
+  storeLittle(whole, std::uint32_t{2});
+  storeLittle(whole, static_cast<std::uint32_t>(length));
+  storeChunk(whole, "JSON", text);
+  storeChunk(whole, "BIN\0", bytes);
+  file.write(whole);
+}
+
+}  // namespace sherd

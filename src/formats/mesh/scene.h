@@ -1,0 +1,77 @@
+// Fragments as a scene of rigid bodies, in any format.
+#pragma once
+
+#include <sherd/files.h>
+#include <sherd/fragments.h>
+#include <sherd/progress.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mesh/piece_mesh.h"
+
+namespace sherd {
+
+/// A fragment of a scene.
+struct ScenePiece {
+  int id = 0;
+  PieceMesh piece;
+  MassProperties mass;
+  std::span<const Contact> contacts;  ///< those with fragments that are not in the scene are left
+                                      ///< out
+  std::size_t split = 0;              ///< that it comes from, 1..Scene::parentOfSplit; 0: none
+  std::string volume{};               ///< file of its level set, relative to the scene's; or empty
+};
+
+struct Scene {
+  std::string name;                          ///< of the root
+  std::vector<ScenePiece> pieces{};          ///< ascending by id; they share one table of materials
+  std::vector<std::size_t> parentOfSplit{};  ///< [splits] number of the split that it comes from,
+                                             ///< below its own; 0: none
+  std::string textureFolder{};  ///< relative to the scene's file, with a slash, or empty
+  double density = 1.0;         ///< mass per unit of volume
+  double strength = 1.0;        ///< break force of a joint per unit of its contact's area
+  double metersPerUnit = 1.0;
+  char up = 'y';       ///< or 'z'
+  bool plain = false;  ///< in glTF: meshes have vertices and triangles only, no materials
+};
+
+/// What is written below a split, or the whole.
+struct SceneLevel {
+  std::vector<std::size_t> pieces{};  ///< indices into Scene::pieces
+  std::vector<std::size_t> splits{};  ///< numbers of splits
+
+  [[nodiscard]] bool empty() const { return pieces.empty() && splits.empty(); }
+};
+
+/// Returns the levels: the whole and that of each split. Those of splits without pieces are in no
+/// other. Below 32 levels the pieces of a split are those of the one that it comes from.
+///   return  [1 + splits]
+[[nodiscard]] std::vector<SceneLevel> levelsOf(const Scene& scene);
+
+/// Returns the name of a split's node, which is no name of a piece: those end in '_' and digits.
+[[nodiscard]] inline std::string splitName(std::size_t split) {
+  return "split" + std::to_string(split);
+}
+
+/// A contact between two pieces of a scene.
+struct SceneJoint {
+  std::size_t one = 0, other = 0;  ///< indices into Scene::pieces, in ascending order
+  const Contact* contact = nullptr;
+};
+
+/// Returns the contacts between pieces of a scene, each once, ascending by its first piece.
+[[nodiscard]] std::vector<SceneJoint> jointsOf(const Scene& scene);
+
+/// Writes a scene as binary glTF 2.0 with embedded PNG and JPEG textures: a node for each piece at
+/// its center of mass, named like its mesh, with KHR_physics_rigid_bodies: mass, inertia and the
+/// mesh's convex hull as collider.  A contact is a fixed joint between two nodes at its centroid,
+/// below those of its pieces, with area and break force as extras.  Pieces that were split are
+/// nodes around those that come of them.
+///   source  KHR_physics_rigid_bodies, draft of October 2025
+///   throws  Error(output), also if it would have 2^32 bytes or more; Error(cancelled)
+void writeSceneGlb(const OutputFile& file, const Scene& scene, const Progress* progress = nullptr);
+
+}  // namespace sherd

@@ -1,0 +1,133 @@
+// Writes scenes as binary glTF with rigid bodies.
+#include <utility>
+
+#include "base/cancel_flag.h"
+#include "formats/mesh/glb_file.h"
+#include "formats/mesh/glb_materials.h"
+#include "formats/mesh/glb_mesh.h"
+#include "formats/mesh/scene.h"
+#include "mesh/principal_inertia.h"
+
+namespace sherd {
+namespace {
+
+using Json = GlbFile::Json;
+
+constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
+
+Json jsonOfVector(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+// The extension's schema has no mass or inertia of 0: an engine derives them from the collider.
+Json motionOf(const MassProperties& mass, double density) {
+  const PrincipalInertia inertia = principalInertia(mass);
+  const glm::dvec3 moments = density * inertia.moments;
+  const glm::dquat& rotation = inertia.orientation;
+  Json motion = {{"centerOfMass", jsonOfVector(glm::dvec3(0.0))}};
+  if (mass.volume > 0.0) motion["mass"] = density * mass.volume;
+  if (moments.x > 0.0 && moments.y > 0.0 && moments.z > 0.0) {
+    motion["inertiaDiagonal"] = jsonOfVector(moments);
+    motion["inertiaOrientation"] = {rotation.x, rotation.y, rotation.z, rotation.w};
+  }
+  return motion;
+}
+
+// Nodes are numbered: pieces first, then splits, then the two nodes of each joint.
+class SceneWriter {
+ public:
+  SceneWriter(const Scene& scene, const Progress* progress)
+      : scene_(scene),
+        progress_(progress),
+        materials_(file_, scene.pieces.front().piece.materials),
+        levels_(levelsOf(scene)) {}
+
+  void write(const OutputFile& file) {
+    for (const ScenePiece& piece : scene_.pieces) addPiece(piece);
+    addSplits();
+    addJoints();
+    file_.extensionsUsed.insert(kPhysics);
+    file_.write(file, nodesOf(levels_[0]));
+  }
+
+ private:
+  void addPiece(const ScenePiece& own) {
+    throwIfCancelled(progress_);
+    const PieceMesh& piece = own.piece;
+    const std::size_t mesh = scene_.plain
+                                 ? addPlainGlbMesh(file_, piece.name, piece.mesh, own.mass.centroid)
+                                 : addGlbMesh(file_, materials_, piece, own.mass.centroid);
+    const Json collider = {{"geometry", {{"node", file_.nodes.size()}, {"convexHull", true}}}};
+    file_.nodes.push_back(
+        {{"name", own.piece.name},
+         {"mesh", mesh},
+         {"translation", jsonOfVector(own.mass.centroid)},
+         {"extensions",
+          {{kPhysics, {{"motion", motionOf(own.mass, scene_.density)}, {"collider", collider}}}}}});
+  }
+
+  // Returns the nodes of what is directly below a split, or the whole.
+  [[nodiscard]] std::vector<std::size_t> nodesOf(const SceneLevel& level) const {
+    std::vector<std::size_t> nodes = level.pieces;
+    for (const std::size_t split : level.splits) nodes.push_back(nodeOfSplit_[split]);
+    return nodes;
+  }
+
+  void addSplits() {
+    nodeOfSplit_.resize(levels_.size());
+    std::size_t next = file_.nodes.size();
+    for (std::size_t split = 1; split < levels_.size(); ++split) {
+      if (!levels_[split].empty()) nodeOfSplit_[split] = next++;
+    }
+    for (std::size_t split = 1; split < levels_.size(); ++split) {
+      if (levels_[split].empty()) continue;
+      file_.nodes.push_back({{"name", splitName(split)}, {"children", nodesOf(levels_[split])}});
+    }
+  }
+
+  void addJoints() {
+    const std::vector<SceneJoint> joints = jointsOf(scene_);
+    if (joints.empty()) return;
+    const Json none = {{"min", 0.0}, {"max", 0.0}};
+    Json linear = {{"linearAxes", {0, 1, 2}}}, angular = {{"angularAxes", {0, 1, 2}}};
+    linear.update(none);
+    angular.update(none);
+    file_.extensions[kPhysics] = {
+        {"physicsJoints",
+         Json::array({{{"name", "fixed"}, {"limits", Json::array({linear, angular})}}})}};
+    for (const SceneJoint& joint : joints) {
+      throwIfCancelled(progress_);
+      const std::size_t first = file_.nodes.size();
+      Json node = frame(joint.one, joint.other, *joint.contact);
+      node["extensions"] = {{kPhysics, {{"joint", {{"connectedNode", first + 1}, {"joint", 0}}}}}};
+      node["extras"] = {{"area", joint.contact->area},
+                        {"breakForce", scene_.strength * joint.contact->area}};
+      file_.nodes.push_back(std::move(node));
+      file_.nodes.push_back(frame(joint.other, joint.one, *joint.contact));
+      file_.nodes[joint.one]["children"].push_back(first);
+      file_.nodes[joint.other]["children"].push_back(first + 1);
+    }
+  }
+
+  // Where a contact is, as seen from one of its pieces.
+  [[nodiscard]] Json frame(std::size_t piece, std::size_t other, const Contact& contact) const {
+    const ScenePiece& own = scene_.pieces[piece];
+    return {
+        {"name", "joint_" + std::to_string(own.id) + "_" + std::to_string(scene_.pieces[other].id)},
+        {"translation", jsonOfVector(contact.centroid - own.mass.centroid)}};
+  }
+
+  const Scene& scene_;
+  const Progress* progress_;
+  GlbFile file_;
+  GlbMaterials materials_;
+  const std::vector<SceneLevel> levels_;  // [1 + splits]
+  std::vector<std::size_t> nodeOfSplit_;  // [1 + splits]
+};
+
+}  // namespace
+
+void writeSceneGlb(const OutputFile& file, const Scene& scene, const Progress* progress) {
+  if (scene.pieces.empty()) return;
+  SceneWriter(scene, progress).write(file);
+}
+
+}  // namespace sherd
