@@ -140,15 +140,15 @@ bool giveAway(const TriangleMesh& mesh, std::span<const SharedEdge> edges, const
 
 }  // namespace
 
-Faces countedFaces(const TriangleMesh& mesh, std::span<const SharedEdge> edges, const Areas& areas,
-                   double least) {
+CountedFaces countedFaces(const TriangleMesh& mesh, std::span<const SharedEdge> edges,
+                          const Areas& areas, double least) {
   std::vector<std::uint32_t> counted(areas.size.size(), kNoFace);
   for (std::uint32_t i = 0; i < counted.size(); ++i) {
     if (areas.size[i] >= least) counted[i] = i;
   }
   while (giveAway(mesh, edges, areas, counted)) {
   }
-  Faces faces;
+  CountedFaces faces;
   std::vector<std::uint32_t> number(counted.size(), kNoFace);
   for (std::uint32_t i = 0; i < counted.size(); ++i) {
     if (counted[i] != i) continue;

@@ -54,7 +54,7 @@ struct Areas {
 inline constexpr std::uint32_t kNoFace = 0xffffffffu;
 
 /// The areas that count as faces.
-struct Faces {
+struct CountedFaces {
   std::vector<std::uint32_t> ofTriangle;  ///< [m] below size.size(), or kNoFace
   std::vector<double> size;               ///< world units squared, without what it was given
   std::vector<char> original;             ///< whether it is original surface
@@ -63,8 +63,8 @@ struct Faces {
 /// Returns the areas of at least `least`.  Smaller ones become part of the neighbor with the
 /// longest common boundary; original surface, which is group 0, and cracks get nothing of each
 /// other.
-[[nodiscard]] Faces countedFaces(const TriangleMesh& mesh, std::span<const SharedEdge> edges,
-                                 const Areas& areas, double least);
+[[nodiscard]] CountedFaces countedFaces(const TriangleMesh& mesh, std::span<const SharedEdge> edges,
+                                        const Areas& areas, double least);
 
 /// Counts points where at least three faces meet.
 ///   face    [m] number of the face of a triangle, or kNoFace

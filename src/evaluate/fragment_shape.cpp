@@ -58,7 +58,7 @@ void addAreas(DividedMesh& divided, double tolerance) {
 }
 
 /// The faces of a rule.  But by planes, a connected part of the original surface is one.
-Faces facesOf(const DividedMesh& divided, FaceRule rule, double least) {
+CountedFaces facesOf(const DividedMesh& divided, FaceRule rule, double least) {
   if (rule == FaceRule::planes) {
     return countedFaces(*divided.mesh, divided.edges, divided.planes, least);
   }
@@ -71,7 +71,7 @@ Faces facesOf(const DividedMesh& divided, FaceRule rule, double least) {
 }
 
 /// Returns the faces of cracks alone.
-std::vector<std::uint32_t> ofCracks(const Faces& faces) {
+std::vector<std::uint32_t> ofCracks(const CountedFaces& faces) {
   std::vector<std::uint32_t> face = faces.ofTriangle;
   for (std::uint32_t& f : face) {
     if (f != kNoFace && faces.original[f]) f = kNoFace;
@@ -108,7 +108,7 @@ DividedMesh divided(const TriangleMesh& mesh, std::vector<std::uint16_t> neighbo
 void measureShape(FragmentShape& shape, const DividedMesh& divided, FaceRule rule,
                   const ShapeLimits& limits) {
   shape.hasMesh = true;
-  const Faces faces = facesOf(divided, rule, limits.leastArea);
+  const CountedFaces faces = facesOf(divided, rule, limits.leastArea);
   const auto original = std::count(faces.original.begin(), faces.original.end(), 1);
   shape.flatFaces = faces.original.size();
   shape.faces = shape.flatFaces - static_cast<std::size_t>(original);
@@ -124,7 +124,7 @@ std::optional<std::size_t> cornersOf(const DividedMesh& divided, FaceRule rule, 
   const Box box = bounds(*divided.mesh);
   const double thickness = box.max[axis] - box.min[axis];
   if (hasRim(divided, axis, limits.leastArea)) return {};
-  const Faces faces = facesOf(divided, rule, limits.leastArea);
+  const CountedFaces faces = facesOf(divided, rule, limits.leastArea);
   return countLines(*divided.mesh, divided.edges, ofCracks(faces), axis, kLineShare * thickness);
 }
 

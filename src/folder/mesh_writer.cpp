@@ -69,19 +69,19 @@ std::vector<std::string> MeshWriter::namesOf(std::span<const Fragment> fragments
   return names;
 }
 
-Scene MeshWriter::sceneOf(std::span<const Fragment> fragments,
-                          std::span<const SurfaceAttributes> attributes,
-                          std::span<const std::string> names, std::span<const Split> splits,
-                          const FractureFiles& files) const {
+FragmentScene MeshWriter::sceneOf(std::span<const Fragment> fragments,
+                                  std::span<const SurfaceAttributes> attributes,
+                                  std::span<const std::string> names, std::span<const Split> splits,
+                                  const FractureFiles& files) const {
   const SplitParents parents = parentsOf(splits, fragments.size());
-  Scene scene{.name = stem_,
-              .parentOfSplit = parents.ofSplit,
-              .textureFolder = "meshes/",
-              .density = options_.density,
-              .strength = options_.jointStrength,
-              .metersPerUnit = options_.metersPerUnit,
-              .up = options_.up,
-              .plain = options_.plainMeshes};
+  FragmentScene scene{.name = stem_,
+                      .parentOfSplit = parents.ofSplit,
+                      .textureFolder = "meshes/",
+                      .density = options_.density,
+                      .strength = options_.jointStrength,
+                      .metersPerUnit = options_.metersPerUnit,
+                      .up = options_.up,
+                      .plain = options_.plainMeshes};
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];
     scene.pieces.push_back(
@@ -100,7 +100,7 @@ void MeshWriter::writeScenes(std::span<const Fragment> fragments,
                              std::span<const Split> splits, const FractureFiles& files,
                              const Progress* progress) const {
   const std::vector<std::string> names = namesOf(fragments);
-  const Scene scene = sceneOf(fragments, attributes, names, splits, files);
+  const FragmentScene scene = sceneOf(fragments, attributes, names, splits, files);
   if (!files.scene.empty()) writeSceneGlb(folder_ / files.scene, scene, progress);
   for (std::size_t i = 0; i < files.usd.size(); ++i) {
     const OutputFile file = folder_ / files.usd[i];

@@ -53,9 +53,10 @@ class MeshWriter {
   // Returns [fragments] the names of their files.
   std::vector<std::string> namesOf(std::span<const Fragment> fragments) const;
   //   names  [fragments] to which the scene refers
-  Scene sceneOf(std::span<const Fragment> fragments, std::span<const SurfaceAttributes> attributes,
-                std::span<const std::string> names, std::span<const Split> splits,
-                const FractureFiles& files) const;
+  FragmentScene sceneOf(std::span<const Fragment> fragments,
+                        std::span<const SurfaceAttributes> attributes,
+                        std::span<const std::string> names, std::span<const Split> splits,
+                        const FractureFiles& files) const;
 
   const OutputFolder& folder_;
   const MaterialTable& table_;

@@ -6,7 +6,7 @@
 
 namespace sherd {
 
-std::vector<SceneLevel> levelsOf(const Scene& scene) {
+std::vector<SceneLevel> levelsOf(const FragmentScene& scene) {
   constexpr std::size_t kDeepest = 32;
   const std::size_t count = scene.parentOfSplit.size() + 1;
   std::vector<std::size_t> depth(count, 0), shownIn(count, 0);
@@ -28,7 +28,7 @@ std::vector<SceneLevel> levelsOf(const Scene& scene) {
   return levels;
 }
 
-std::vector<SceneJoint> jointsOf(const Scene& scene) {
+std::vector<SceneJoint> jointsOf(const FragmentScene& scene) {
   std::map<int, std::size_t> indexOf;  // by id
   for (std::size_t i = 0; i < scene.pieces.size(); ++i) indexOf[scene.pieces[i].id] = i;
   std::vector<SceneJoint> joints;

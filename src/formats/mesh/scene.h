@@ -21,11 +21,11 @@ struct ScenePiece {
   MassProperties mass;
   std::span<const Contact> contacts;  ///< those with fragments that are not in the scene are left
                                       ///< out
-  std::size_t split = 0;              ///< that it comes from, 1..Scene::parentOfSplit; 0: none
-  std::string volume{};               ///< file of its level set, relative to the scene's; or empty
+  std::size_t split = 0;  ///< that it comes from, 1..FragmentScene::parentOfSplit; 0: none
+  std::string volume{};   ///< file of its level set, relative to the scene's; or empty
 };
 
-struct Scene {
+struct FragmentScene {
   std::string name;                          ///< of the root
   std::vector<ScenePiece> pieces{};          ///< ascending by id; they share one table of materials
   std::vector<std::size_t> parentOfSplit{};  ///< [splits] number of the split that it comes from,
@@ -40,7 +40,7 @@ struct Scene {
 
 /// What is written below a split, or the whole.
 struct SceneLevel {
-  std::vector<std::size_t> pieces{};  ///< indices into Scene::pieces
+  std::vector<std::size_t> pieces{};  ///< indices into FragmentScene::pieces
   std::vector<std::size_t> splits{};  ///< numbers of splits
 
   [[nodiscard]] bool empty() const { return pieces.empty() && splits.empty(); }
@@ -49,7 +49,7 @@ struct SceneLevel {
 /// Returns the levels: the whole and that of each split. Those of splits without pieces are in no
 /// other. Below 32 levels the pieces of a split are those of the one that it comes from.
 ///   return  [1 + splits]
-[[nodiscard]] std::vector<SceneLevel> levelsOf(const Scene& scene);
+[[nodiscard]] std::vector<SceneLevel> levelsOf(const FragmentScene& scene);
 
 /// Returns the name of a split's node, which is no name of a piece: those end in '_' and digits.
 [[nodiscard]] inline std::string splitName(std::size_t split) {
@@ -58,12 +58,12 @@ struct SceneLevel {
 
 /// A contact between two pieces of a scene.
 struct SceneJoint {
-  std::size_t one = 0, other = 0;  ///< indices into Scene::pieces, in ascending order
+  std::size_t one = 0, other = 0;  ///< indices into FragmentScene::pieces, in ascending order
   const Contact* contact = nullptr;
 };
 
 /// Returns the contacts between pieces of a scene, each once, ascending by its first piece.
-[[nodiscard]] std::vector<SceneJoint> jointsOf(const Scene& scene);
+[[nodiscard]] std::vector<SceneJoint> jointsOf(const FragmentScene& scene);
 
 /// Writes a scene as binary glTF 2.0 with embedded PNG and JPEG textures: a node for each piece at
 /// its center of mass, named like its mesh, with KHR_physics_rigid_bodies: mass, inertia and the
@@ -72,6 +72,7 @@ struct SceneJoint {
 /// nodes around those that come of them.
 ///   source  KHR_physics_rigid_bodies, draft of October 2025
 ///   throws  Error(output), also if it would have 2^32 bytes or more; Error(cancelled)
-void writeSceneGlb(const OutputFile& file, const Scene& scene, const Progress* progress = nullptr);
+void writeSceneGlb(const OutputFile& file, const FragmentScene& scene,
+                   const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -34,7 +34,7 @@ Json motionOf(const MassProperties& mass, double density) {
 // Nodes are numbered: pieces first, then splits, then the two nodes of each joint.
 class SceneWriter {
  public:
-  SceneWriter(const Scene& scene, const Progress* progress)
+  SceneWriter(const FragmentScene& scene, const Progress* progress)
       : scene_(scene),
         progress_(progress),
         materials_(file_, scene.pieces.front().piece.materials),
@@ -115,7 +115,7 @@ class SceneWriter {
         {"translation", jsonOfVector(contact.centroid - own.mass.centroid)}};
   }
 
-  const Scene& scene_;
+  const FragmentScene& scene_;
   const Progress* progress_;
   GlbFile file_;
   GlbMaterials materials_;
@@ -125,7 +125,7 @@ class SceneWriter {
 
 }  // namespace
 
-void writeSceneGlb(const OutputFile& file, const Scene& scene, const Progress* progress) {
+void writeSceneGlb(const OutputFile& file, const FragmentScene& scene, const Progress* progress) {
   if (scene.pieces.empty()) return;
   SceneWriter(scene, progress).write(file);
 }

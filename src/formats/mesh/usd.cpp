@@ -41,7 +41,7 @@ std::string numbered(const char* name, float value) {
 class Layer {
  public:
   ///   hasVolumes  of pieces that name one
-  Layer(const Scene& scene, bool hasVolumes, const Progress* progress, const ByteSink& sink)
+  Layer(const FragmentScene& scene, bool hasVolumes, const Progress* progress, const ByteSink& sink)
       : scene_(scene),
         progress_(progress),
         hasVolumes_(hasVolumes),
@@ -205,7 +205,7 @@ class Layer {
     }
   }
 
-  const Scene& scene_;
+  const FragmentScene& scene_;
   const Progress* progress_;
   const bool hasVolumes_;
   UsdText text_;
@@ -217,12 +217,12 @@ class Layer {
 
 }  // namespace
 
-void writeUsda(const OutputFile& file, const Scene& scene, const Progress* progress) {
+void writeUsda(const OutputFile& file, const FragmentScene& scene, const Progress* progress) {
   if (scene.pieces.empty()) return;
   file.write([&](const ByteSink& sink) { Layer(scene, true, progress, sink).write(); });
 }
 
-void writeUsdz(const OutputFile& file, const Scene& scene, const Progress* progress) {
+void writeUsdz(const OutputFile& file, const FragmentScene& scene, const Progress* progress) {
   if (scene.pieces.empty()) return;
   constexpr std::uint64_t kAlignment = 64;  // of the bytes of every file in it
   file.write([&](const ByteSink& sink) {

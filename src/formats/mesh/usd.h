@@ -19,11 +19,13 @@ namespace sherd {
 /// and joints inactive.
 ///   source  OpenUSD 24.11: UsdGeom, UsdShade, UsdPhysics, UsdVol; UsdPreviewSurface 2.6
 ///   throws  Error(output); Error(cancelled)
-void writeUsda(const OutputFile& file, const Scene& scene, const Progress* progress = nullptr);
+void writeUsda(const OutputFile& file, const FragmentScene& scene,
+               const Progress* progress = nullptr);
 
 /// Writes the same, without volumes, in an uncompressed archive with the textures that are PNG or
 /// JPEG.
 ///   throws  Error(output), also if it would have 2^32 bytes or more
-void writeUsdz(const OutputFile& file, const Scene& scene, const Progress* progress = nullptr);
+void writeUsdz(const OutputFile& file, const FragmentScene& scene,
+               const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -12,7 +12,7 @@ namespace sherd {
 /// Writes a material as UsdPreviewSurface, with its textures that are PNG or
 /// JPEG.
 ///   path           of the prim, which is named like its end
-///   textureFolder  see Scene::textureFolder
+///   textureFolder  see FragmentScene::textureFolder
 void writeUsdMaterial(UsdText& text, const std::string& path, const MaterialTable& table,
                       std::uint32_t number, const SurfaceAttributes& attributes,
                       const std::string& textureFolder);
