@@ -191,7 +191,7 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
          meshFormats, usdFormats, usdVolumes, jointStrength, metersPerUnit, points, sharePoints,
          pointFormats, distances, correspondences, precision, sourceFaces, up] = write_;
   // Which files there are is in the list of files, their formats in their names.
-  for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &scene, &viewer}) {
+  for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &viewer}) {
     expectNotRecorded("a file", *file, !*file);
   }
   expectNotRecorded("voxelFormats", voxelFormats, {VoxelFormat::npz});
