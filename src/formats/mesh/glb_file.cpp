@@ -13,9 +13,11 @@
 namespace sherd {
 namespace {
 
-void storeChunk(std::string& bytes, const char* type, const std::string& content) {
-  storeLittle(bytes, static_cast<std::uint32_t>(content.size()));
-  bytes.append(type, 4).append(content);
+void addChunk(const ByteSink& sink, const char* type, const std::string& content) {
+  std::string head;
+  storeLittle(head, static_cast<std::uint32_t>(content.size()));
+  sink(head.append(type, 4));
+  sink(content);
 }
 
 }  // namespace
@@ -65,13 +67,14 @@ void GlbFile::write(const OutputFile& file, const std::vector<std::size_t>& root
     throw Error(ErrorCode::output, file.string() + ": would have " + std::to_string(length) +
                                        " bytes; binary glTF holds less than 2^32");
   }
-  std::string whole = "glTF";
-  whole.reserve(length);
-  storeLittle(whole, std::uint32_t{2});
-  storeLittle(whole, static_cast<std::uint32_t>(length));
-  storeChunk(whole, "JSON", text);
-  storeChunk(whole, "BIN\0", bytes);
-  file.write(whole);
+  file.write([&](const ByteSink& sink) {
+    std::string head = "glTF";
+    storeLittle(head, std::uint32_t{2});
+    storeLittle(head, static_cast<std::uint32_t>(length));
+    sink(head);
+    addChunk(sink, "JSON", text);
+    addChunk(sink, "BIN\0", bytes);
+  });
 }
 
 }  // namespace sherd
