@@ -84,7 +84,7 @@ def drawn(draw):
     if perhaps(0.3, "--smooth-iterations", draw.choice(("2", "10", "0.048k"))):
         perhaps(0.5, "--smooth-boundary-iterations", draw.choice(("2", "10")))
     perhaps(0.3, "--triangles", draw.choice(("500", "2000")))
-    if growth == "euclid" and draw.random() < 0.6:  # drawn last, as what came later than the rest
+    if growth == "euclid" and draw.random() < 0.6:  # drawn last, so that the other options of a run stay as they were
         options[options.index("euclid")] = "sequential"
         one_of(0.3, "--split-power", "0", "0.5", "2")
         one_of(0.3, "--split-offset", "0", "0.3")

@@ -40,9 +40,9 @@ constexpr double kLeastCosine = 0.2;
 // become collinear in single precision, which files hold.
 constexpr double kLeastHeight = 4e-6;
 
-// How much of its volume a label may lose or gain.  A tetrahedron inscribed in a ball has 0.12 of
-// the ball's, an icosahedron 0.6; a thin fragment between larger ones, whose collapses are its own,
-// would lose more although it has triangles enough.
+// The least share of its volume that a label keeps; it may gain as much as it may lose.  Without a
+// limit a thin fragment would lose most of it to the collapses of larger ones beside it.  A
+// tetrahedron inscribed in a ball has 0.12 of the ball's volume, an icosahedron 0.6.
 double leastVolume(std::size_t triangles) {
   constexpr double kLeast = 0.1, kMost = 0.9, kTriangles = 20.0;
   if (triangles == 0) return kLeast;  // as far as errors allow

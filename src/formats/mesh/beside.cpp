@@ -77,8 +77,7 @@ bool isGrayImage(std::string_view bytes) {
     return bytes.size() > kColorType && (at(kColorType) == 0 || at(kColorType) == 4);
   }
   if (type != ImageType::jpeg) return false;
-  // Segments of JPEG: ff, kind, length; a frame's header is of a kind from c0
-  // to cf, but for three.
+  // Segments of JPEG: ff, kind, length; a frame's header is of a kind from c0 to cf, but for three.
   for (std::size_t i = 2; i + 9 < bytes.size() && at(i) == 0xff;) {
     const unsigned kind = at(i + 1);
     if (kind >= 0xc0 && kind <= 0xcf && kind != 0xc4 && kind != 0xc8 && kind != 0xcc) {

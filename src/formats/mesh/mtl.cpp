@@ -120,8 +120,7 @@ std::string gltfOf(const MtlMaterial& material, int texture,
   const auto map = [&](const std::string& name) { return name.empty() ? -1 : textureOf(name); };
   pbr.roughness = material.roughness.value_or(1.0);
   pbr.metallic = material.metallic.value_or(0.0);
-  // One texture has both. A gray one has roughness, with a metallic factor of 0
-  // nothing else.
+  // One texture has both.  A gray one has roughness, with a metallic factor of 0 nothing else.
   const bool hasBoth = material.roughnessMap == material.metallicMap;
   if (hasBoth || (material.metallicMap.empty() && pbr.metallic == 0.0)) {
     pbr.roughnessTexture = map(material.roughnessMap);

@@ -13,31 +13,27 @@
 
 namespace sherd {
 
-/// The properties of a material in a library. Maps are files' names, without
-/// options; empty: none.
+/// The properties of a material in a library.  Maps are files' names, without options; empty: none.
 struct MtlMaterial {
   glm::vec3 color{1.0f};                               ///< Kd
   std::string texture;                                 ///< map_Kd
   std::optional<double> roughness, metallic, opacity;  ///< Pr, Pm, d
   std::optional<glm::vec3> emission;                   ///< Ke
-  std::string roughnessMap, metallicMap, emissionMap,
-      opacityMap;         ///< map_Pr, map_Pm, map_Ke,
-                          ///< map_d
-  std::string normalMap;  ///< norm
-  std::string bumpMap;    ///< map_Bump or bump: a normal map, as Blender writes
-                          ///< it, or heights
+  std::string roughnessMap, metallicMap;               ///< map_Pr, map_Pm
+  std::string emissionMap, opacityMap;                 ///< map_Ke, map_d
+  std::string normalMap;                               ///< norm
+  std::string bumpMap;  ///< map_Bump or bump: a normal map, as Blender writes it, or heights
 };
 
-/// Adds the materials of a library's text by name; of two with one name the
-/// first counts. Malformed lines are skipped.
+/// Adds the materials of a library's text by name; of two with one name the first counts. Malformed
+/// lines are skipped.
 void addMtl(std::string_view text, std::map<std::string, MtlMaterial>& materials);
 
-/// Returns Material::gltf for a material of a library; empty if it has only a
-/// color and a texture.
+/// Returns Material::gltf for a material of a library; empty if it has only a color and a texture.
 ///   texture    of the base color: an index into Appearance::textures, or -1
-///   textureOf  returns the index of the image with that name, -1 if it cannot
-///   be read isGray     returns whether an image has one channel leftOut
-///   receives the names of maps that a glTF material cannot have
+///   textureOf  returns the index of the image with that name, -1 if it cannot be read
+///   isGray     returns whether an image has one channel
+///   leftOut    receives the names of maps that a glTF material cannot have
 [[nodiscard]] std::string gltfOf(const MtlMaterial& material, int texture,
                                  const std::function<int(const std::string&)>& textureOf,
                                  const std::function<bool(int)>& isGray,
