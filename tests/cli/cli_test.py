@@ -132,6 +132,15 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         return result
 
+    def manifest(self, folder=None):
+        with open(os.path.join(folder or self.out, "manifest.json")) as file:
+            return json.load(file)
+
+    def written(self, kinds, *arguments, **more):
+        """The manifest of a fracture with files of these kinds."""
+        self.done("--write", kinds, *arguments, **more)
+        return self.manifest(more.get("out"))
+
     def refused(self, status, result, *words):
         """One sentence on stderr, nothing on stdout, the right exit status."""
         self.assertEqual(result.returncode, status, result.stderr)
@@ -280,10 +289,6 @@ class Resolution(CommandLine):
         self.pane = self.path("pane.obj", "".join(
             ["v %g %g %g\n" % v for v in vertices] + ["f %d %d %d %d\n" % tuple(i + 1 for i in f) for f in faces]).encode())
 
-    def manifest_of(self, folder):
-        with open(os.path.join(folder, "manifest.json")) as file:
-            return json.load(file)
-
     def broken(self, name, *arguments, mesh=None):
         out = self.path(name)
         done = self.run_sherd("fracture", mesh or self.pane, "-o", out, "--pieces", "2", "--write", "labels", *arguments)
@@ -293,7 +298,7 @@ class Resolution(CommandLine):
     def test_is_chosen_for_the_mesh(self):
         out, said = self.broken("chosen")
         self.assertIn("resolution 144, chosen automatically: walls would be down to 1.4 voxels at 128\n", said)
-        manifest = self.manifest_of(out)
+        manifest = self.manifest(out)
         self.assertEqual((manifest["options"]["resolution"], manifest["grid"]["resolution"]), ("auto", 144))
         self.assertEqual(manifest["report"]["resolution"]["automatic"], True)
         self.assertIsNone(manifest["report"]["walls"]["resolution_to_hold"])
@@ -302,7 +307,7 @@ class Resolution(CommandLine):
         given, said = self.broken("given", "--resolution", "144")
         self.assertNotIn("automatically", said)
         self.assertEqual(tree(given)["labels.rle"], tree(out)["labels.rle"])
-        self.assertEqual(self.manifest_of(given)["options"]["resolution"], 144)
+        self.assertEqual(self.manifest(given)["options"]["resolution"], 144)
         for folder, how in ((out, "auto"), (given, "given")):
             seen = json.loads(self.run_sherd("inspect", folder, "--json").stdout)
             self.assertEqual((seen["resolution"], seen["resolution_is"]), (144, how))
@@ -311,7 +316,7 @@ class Resolution(CommandLine):
         for name, arguments, mesh in (("ball", (), self.ball), ("paper", ("--preset", "paper"), self.pane),
                                       ("shell", ("--fill", "shell"), self.pane)):
             out, said = self.broken(name, *arguments, mesh=mesh)
-            self.assertEqual(self.manifest_of(out)["grid"]["resolution"], 128, name)
+            self.assertEqual(self.manifest(out)["grid"]["resolution"], 128, name)
             self.assertEqual("automatically" in said, name != "paper")
 
     def test_is_chosen_for_each_object_of_a_dataset(self):
@@ -324,7 +329,7 @@ class Resolution(CommandLine):
         found = {}
         for at, _, files in os.walk(self.out):
             if "manifest.json" in files:
-                manifest = self.manifest_of(at)
+                manifest = self.manifest(at)
                 self.assertEqual(manifest["options"]["resolution"], "auto")
                 found[manifest["source"]["file"]] = manifest["grid"]["resolution"]
         self.assertEqual(found, {"pane.obj": 144, "ball.obj": 128})

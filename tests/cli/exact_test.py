@@ -75,10 +75,6 @@ class Exact(CommandLine):
     def exact(self, *options, **more):
         return self.done("--surface", "exact", "--precision", "double", "--write", "mesh", *options, **{"mesh": str(self.mesh), "pieces": 7, **more})
 
-    def manifest(self, out=None):
-        with open(os.path.join(out or self.out, "manifest.json")) as file:
-            return json.load(file)
-
     def pieces(self, out=None):
         """The files of the pieces: vertices, triangles, neighbors, and all columns of faces."""
         for fragment in self.manifest(out)["fragments"]:

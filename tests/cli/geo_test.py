@@ -4,10 +4,8 @@
 Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy.
 tests/long/geo.py reads the same files with another program.
 """
-import json
 import os
 import pathlib
-import unittest
 
 import numpy as np
 
@@ -44,10 +42,7 @@ class Tree:
 
 class Geo(CommandLine):
     def broken(self, *options, mesh=AMPHORA, out=None, pieces=6, write="houdini,mesh"):
-        out = out or self.out
-        self.done("--write", write, *options, mesh=mesh, out=out, pieces=pieces)
-        with open(os.path.join(out, "manifest.json")) as file:
-            return json.load(file)
+        return self.written(write, *options, mesh=mesh, out=out, pieces=pieces)
 
     def geometry(self, name, out=None):
         return Geometry(os.path.join(out or self.out, name))

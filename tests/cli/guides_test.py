@@ -55,10 +55,6 @@ def ring(radius, z, points=60):
 
 
 class Guided(CommandLine):
-    def manifest(self, out=None):
-        with open(os.path.join(out or self.out, "manifest.json")) as file:
-            return json.load(file)
-
     def meshes(self):
         folder = os.path.join(self.out, "meshes")
         return [read_triangles(os.path.join(folder, name)) for name in sorted(os.listdir(folder)) if name.endswith(".ply")]

@@ -6,7 +6,6 @@ Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Nee
 import json
 import os
 import shutil
-import unittest
 
 import numpy as np
 
@@ -43,13 +42,8 @@ def directed_edges(faces):
 
 
 class SurfaceCase(CommandLine):
-    def manifest(self):
-        with open(os.path.join(self.out, "manifest.json")) as file:
-            return json.load(file)
-
     def broken(self, *options, **more):
-        self.done("--write", "labels,mesh", *options, **more)
-        return self.manifest()
+        return self.written("labels,mesh", *options, **more)
 
     def mesh(self, file):
         vertices, faces, neighbor = read_triangles(os.path.join(self.out, file))

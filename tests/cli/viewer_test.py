@@ -25,10 +25,6 @@ HOSTILE = "<img src=x onerror=alert(1)><!--<script>\"'&amp;{{script}}.obj"
 
 
 class Viewer(CommandLine):
-    def manifest(self, folder=None):
-        with open(os.path.join(folder or self.out, "manifest.json")) as file:
-            return json.load(file)
-
     def viewed(self, *arguments, folder=None, status=0):
         page = self.path("page.html")
         result = self.run_sherd("view", folder or self.out, "-o", page, *arguments)
