@@ -25,18 +25,6 @@ constexpr std::uint64_t kMostOfArchive = std::numeric_limits<std::uint32_t>::max
 
 constexpr double kExploded = 0.5;  // of the distance from the center, how far pieces move away
 
-std::string numbered(const char* name, double value) {
-  std::string text = std::string(name) + " = ";
-  appendShortest(text, value);
-  return text;
-}
-
-std::string numbered(const char* name, float value) {
-  std::string text = std::string(name) + " = ";
-  appendFloat(text, value);
-  return text;
-}
-
 // Writes one layer.
 class Layer {
  public:
@@ -60,8 +48,8 @@ class Layer {
     text_.line("(");
     text_.line("    defaultPrim = \"" + root_ + "\"");
     text_.line("    doc = " + usdString("Fragments, by Sherd " SHERD_VERSION));
-    text_.line("    " + numbered("kilogramsPerUnit", 1.0));
-    text_.line("    " + numbered("metersPerUnit", scene_.metersPerUnit));
+    text_.line("    " + usdNumber("kilogramsPerUnit", 1.0));
+    text_.line("    " + usdNumber("metersPerUnit", scene_.metersPerUnit));
     text_.line(scene_.up == 'z' ? "    upAxis = \"Z\"" : "    upAxis = \"Y\"");
     text_.line(")");
     text_.line("");
@@ -116,7 +104,7 @@ class Layer {
     text_.line("float3 physics:diagonalInertia = " +
                usdVector(glm::vec3(scene_.density * inertia.moments)));
     text_.line(
-        numbered("float physics:mass", static_cast<float>(scene_.density * own.mass.volume)));
+        usdNumber("float physics:mass", static_cast<float>(scene_.density * own.mass.volume)));
     text_.line("quatf physics:principalAxes = " + usdRotation(inertia.orientation));
     text_.line("double3 xformOp:translate = " + usdVector(own.mass.centroid));
     text_.line("double3 xformOp:translate:apart");  // a value here would hide the variants'
@@ -158,7 +146,8 @@ class Layer {
                                             std::to_string(scene_.pieces[other].id));
     text_.line("rel physics:body0 = <" + paths_[one] + ">");
     text_.line("rel physics:body1 = <" + paths_[other] + ">");
-    text_.line(numbered("float physics:breakForce", jointStrength(contact, scene_.strength)));
+    text_.line(usdNumber("float physics:breakForce",
+                         static_cast<float>(jointStrength(contact, scene_.strength))));
     text_.line("point3f physics:localPos0 = " + local(one));
     text_.line("point3f physics:localPos1 = " + local(other));
     text_.line("quatf physics:localRot0 = (1, 0, 0, 0)");

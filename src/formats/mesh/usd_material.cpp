@@ -3,6 +3,7 @@
 
 #include <array>
 #include <utility>
+#include <vector>
 
 #include "base/number_text.h"
 #include "formats/mesh/gltf_material.h"
@@ -10,10 +11,8 @@
 namespace sherd {
 namespace {
 
-std::string numbered(const char* name, double value) {
-  std::string text = std::string("float inputs:") + name + " = ";
-  appendFloat(text, static_cast<float>(value));
-  return text;
+std::string inputOf(const char* name, double value) {
+  return usdNumber(std::string("float inputs:") + name, static_cast<float>(value));
 }
 
 std::string fourOf(const glm::dvec3& v, double last) {
@@ -25,9 +24,9 @@ std::string fourOf(const glm::dvec3& v, double last) {
 
 // A use of an image.
 struct TextureShader {
-  const char* name = "";    // of the shader
-  int image = -1;           // of the table; -1: none
-  const char* output = "";  // its type and name
+  const char* name = "";               // of the shader
+  int image = -1;                      // of the table; -1: none
+  std::vector<const char*> outputs{};  // their types and names
   glm::dvec3 scale{1.0};
   double alphaScale = 1.0;
   bool isNormal = false;  // 0..1 means -1..1
@@ -48,9 +47,10 @@ class MaterialPrim {
         textureFolder_(textureFolder) {}
 
   void write() {
-    const TextureShader base{
-        "texture", imageOf(entry_.texture), "float3 outputs:rgb", entry_.color, pbr_.opacity, false,
-        true};
+    TextureShader base{"texture", imageOf(entry_.texture), {}, entry_.color, pbr_.opacity, false,
+                       true};
+    if (pbr_.alpha != PbrMaterial::Alpha::opaque) base.outputs.push_back("float outputs:a");
+    base.outputs.push_back("float3 outputs:rgb");
     const bool isColored = base.image < 0 && hasColors_;
     text_.open("def Material", path_.substr(path_.rfind('/') + 1));
     text_.line("token outputs:surface.connect = <" + path_ + "/surface.outputs:surface>");
@@ -96,7 +96,7 @@ class MaterialPrim {
     if (hasRoughness) {
       connect("float", "metallic", "roughness", "b");
     } else {
-      text_.line(numbered("metallic", pbr_.metallic));
+      text_.line(inputOf("metallic", pbr_.metallic));
     }
     if (imageOf(pbr_.normalTexture) >= 0) connect("normal3f", "normal", "normal", "rgb");
     if (imageOf(pbr_.occlusionTexture) >= 0) connect("float", "occlusion", "occlusion", "r");
@@ -104,16 +104,16 @@ class MaterialPrim {
       if (hasBaseTexture) {
         connect("float", "opacity", "texture", "a");
       } else {
-        text_.line(numbered("opacity", pbr_.opacity));
+        text_.line(inputOf("opacity", pbr_.opacity));
       }
       if (pbr_.alpha == PbrMaterial::Alpha::mask) {
-        text_.line(numbered("opacityThreshold", pbr_.alphaCutoff));
+        text_.line(inputOf("opacityThreshold", pbr_.alphaCutoff));
       }
     }
     if (hasRoughness) {
       connect("float", "roughness", "roughness", "g");
     } else {
-      text_.line(numbered("roughness", pbr_.roughness));
+      text_.line(inputOf("roughness", pbr_.roughness));
     }
   }
 
@@ -121,12 +121,24 @@ class MaterialPrim {
     const double scale = pbr_.normalScale;
     const std::array<TextureShader, 5> all{
         {base,
-         {"emission", imageOf(pbr_.emissionTexture), "float3 outputs:rgb", pbr_.emission, 1.0,
-          false, true},
-         {"normal", imageOf(pbr_.normalTexture), "float3 outputs:rgb",
-          glm::dvec3(scale, scale, 1.0), 1.0, true, false},
-         {"occlusion", imageOf(pbr_.occlusionTexture), "float outputs:r"},
-         {"roughness", imageOf(pbr_.roughnessTexture), "float outputs:g",
+         {"emission",
+          imageOf(pbr_.emissionTexture),
+          {"float3 outputs:rgb"},
+          pbr_.emission,
+          1.0,
+          false,
+          true},
+         {"normal",
+          imageOf(pbr_.normalTexture),
+          {"float3 outputs:rgb"},
+          glm::dvec3(scale, scale, 1.0),
+          1.0,
+          true,
+          false},
+         {"occlusion", imageOf(pbr_.occlusionTexture), {"float outputs:r"}},
+         {"roughness",
+          imageOf(pbr_.roughnessTexture),
+          {"float outputs:b", "float outputs:g"},
           glm::dvec3(1.0, pbr_.roughness, pbr_.metallic)}}};
     bool isTextured = false;
     for (const TextureShader& shader : all) {
@@ -150,13 +162,7 @@ class MaterialPrim {
     text_.line("float2 inputs:st.connect = <" + path_ + "/st.outputs:result>");
     text_.line("token inputs:wrapS = \"repeat\"");
     text_.line("token inputs:wrapT = \"repeat\"");
-    const std::string output = own.output;
-    if (output.ends_with(":rgb") && pbr_.alpha != PbrMaterial::Alpha::opaque &&
-        std::string(own.name) == "texture") {
-      text_.line("float outputs:a");
-    }
-    if (output.ends_with(":g")) text_.line("float outputs:b");
-    text_.line(output);
+    for (const char* const output : own.outputs) text_.line(output);
     text_.close();
   }
 

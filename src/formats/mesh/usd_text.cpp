@@ -93,6 +93,18 @@ void UsdText::line(std::string_view text) {
   (text_ += text) += '\n';
 }
 
+std::string usdNumber(std::string_view declaration, double value) {
+  std::string text = std::string(declaration) + " = ";
+  appendShortest(text, value);
+  return text;
+}
+
+std::string usdNumber(std::string_view declaration, float value) {
+  std::string text = std::string(declaration) + " = ";
+  appendFloat(text, value);
+  return text;
+}
+
 std::string usdVector(const glm::dvec3& v) { return vectorText<double>(v); }
 std::string usdVector(const glm::vec3& v) { return vectorText<float>(v); }
 

@@ -77,6 +77,10 @@ class UsdText {
   std::size_t depth_ = 0;
 };
 
+/// Returns "DECLARATION = value" in double or single precision.
+[[nodiscard]] std::string usdNumber(std::string_view declaration, double value);
+[[nodiscard]] std::string usdNumber(std::string_view declaration, float value);
+
 /// Returns "(x, y, z)" in double or single precision.
 [[nodiscard]] std::string usdVector(const glm::dvec3& v);
 [[nodiscard]] std::string usdVector(const glm::vec3& v);
