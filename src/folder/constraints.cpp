@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "folder/each_contact.h"
 #include "folder/split_levels.h"
 #include "folder/split_parents.h"
+#include "formats/mesh/each_contact.h"
 #include "formats/mesh/geo.h"
 #include "formats/mesh/geo_text.h"
 #include "formats/mesh/joint_strength.h"
@@ -26,17 +26,17 @@ std::vector<Constraint> constraintsOf(std::span<const Fragment> fragments, doubl
                                       std::span<const Split> splits, const Progress* progress) {
   const SplitLevels levels(parentsOf(splits, fragments.size()));
   std::vector<Constraint> constraints;
-  forEachContact(
-      fragments, [&](const Fragment& one, const Fragment& other, const Contact& contact) {
-        throwIfCancelled(progress);
-        constraints.push_back(
-            {.one = static_cast<std::size_t>(one.id - 1),
-             .other = static_cast<std::size_t>(other.id - 1),
-             .area = static_cast<float>(contact.area),
-             .length = static_cast<float>(glm::length(one.mass.centroid - other.mass.centroid)),
-             .strength = jointStrength(contact, strength),
-             .level = splits.empty() ? 0 : levels.ofContact(one.id, other.id)});
-      });
+  forEachContact(fragments, [&](std::size_t one, std::size_t other, const Contact& contact) {
+    throwIfCancelled(progress);
+    const Fragment &a = fragments[one], &b = fragments[other];
+    constraints.push_back(
+        {.one = one,
+         .other = other,
+         .area = static_cast<float>(contact.area),
+         .length = static_cast<float>(glm::length(a.mass.centroid - b.mass.centroid)),
+         .strength = static_cast<float>(jointStrength(contact, strength)),
+         .level = splits.empty() ? 0 : levels.ofContact(a.id, b.id)});
+  });
   return constraints;
 }
 

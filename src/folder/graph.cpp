@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_of.h"
-#include "folder/each_contact.h"
 #include "folder/split_parents.h"
+#include "formats/mesh/each_contact.h"
 
 namespace sherd {
 namespace {
@@ -57,9 +57,7 @@ void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
   // The chunk of each split: those of fragments come first, so that they have their ids.
   std::vector<std::uint32_t> chunkOf(pieces.size(), 0);
   auto next = static_cast<std::uint32_t>(fragments.size());
-  const bool isWhole = std::count(parents.ofSplit.begin(), parents.ofSplit.end(), 0u) == 1;
-  for (std::size_t i = 1; i < pieces.size(); ++i) {
-    if (isWhole && parents.ofSplit[i - 1] == 0) continue;  // the first piece is the intact object
+  for (std::size_t i = parents.hasWhole() ? 2 : 1; i < pieces.size(); ++i) {
     if (pieces[i].volume > 0.0) chunkOf[i] = ++next;
   }
   Json chunks =
@@ -77,14 +75,13 @@ void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                                chunkOf[parents.ofSplit[i - 1]], false, 0));
   }
   Json bonds = Json::array();
-  forEachContact(fragments,
-                 [&](const Fragment& one, const Fragment& other, const Contact& contact) {
-                   bonds.push_back({{"chunkIndices", {one.id, other.id}},
-                                    {"normal", jsonOf(contact.normal)},
-                                    {"area", contact.area},
-                                    {"centroid", jsonOf(contact.centroid)},
-                                    {"userData", 0}});
-                 });
+  forEachContact(fragments, [&](std::size_t one, std::size_t other, const Contact& contact) {
+    bonds.push_back({{"chunkIndices", {fragments[one].id, fragments[other].id}},
+                     {"normal", jsonOf(contact.normal)},
+                     {"area", contact.area},
+                     {"centroid", jsonOf(contact.centroid)},
+                     {"userData", 0}});
+  });
   const Json graph = {{"schema", "sherd-graph/1"},
                       {"source", metadata.source},
                       {"density", metadata.density},

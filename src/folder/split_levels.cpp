@@ -1,6 +1,7 @@
 // Levels of the tree of splits.
 #include "folder/split_levels.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -8,12 +9,9 @@ namespace sherd {
 
 SplitLevels::SplitLevels(SplitParents parents)
     : parents_(std::move(parents)), depth_(parents_.ofSplit.size() + 1, 0) {
-  const auto roots = std::count(parents_.ofSplit.begin(), parents_.ofSplit.end(), 0u) +
-                     std::count(parents_.ofFragment.begin(), parents_.ofFragment.end(), 0u);
-  for (std::size_t split = 1; split < depth_.size(); ++split) {
-    const std::size_t parent = parents_.ofSplit[split - 1];
-    const bool isWhole = parent == 0 && roots == 1;
-    depth_[split] = std::min(depth_[parent] + (isWhole ? 0 : 1), kDeepestLevel);
+  const std::size_t first = parents_.hasWhole() ? 2 : 1;  // below the intact object
+  for (std::size_t split = first; split < depth_.size(); ++split) {
+    depth_[split] = std::min(depth_[parents_.ofSplit[split - 1]] + 1, kDeepestLevel);
   }
 }
 

@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "folder/split_parents.h"
+#include "formats/mesh/scene.h"
 
 namespace sherd {
 
-/// Levels deeper than this are counted as this one.
-inline constexpr std::size_t kDeepestLevel = 32;
-
-/// How deep splits lie below the intact object, which one of them may divide.
+/// How deep splits lie below the intact object, which one of them may divide; at most
+/// kDeepestLevel.
 class SplitLevels {
  public:
   explicit SplitLevels(SplitParents parents);

@@ -15,6 +15,12 @@ namespace sherd {
 struct SplitParents {
   std::vector<std::size_t> ofSplit;     ///< [splits]
   std::vector<std::size_t> ofFragment;  ///< [fragments]
+
+  /// Returns whether the first split divided the intact object; else its components are its parts.
+  [[nodiscard]] bool hasWhole() const {
+    return std::count(ofSplit.begin(), ofSplit.end(), 0u) == 1 &&
+           std::count(ofFragment.begin(), ofFragment.end(), 0u) == 0;
+  }
 };
 
 /// Returns the parents.

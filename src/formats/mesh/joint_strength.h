@@ -5,10 +5,10 @@
 
 namespace sherd {
 
-/// Returns the force that breaks the joint of a contact, as files have it.
+/// Returns the force that breaks the joint of a contact.
 ///   perArea  WriteOptions::jointStrength
-[[nodiscard]] inline float jointStrength(const Contact& contact, double perArea) {
-  return static_cast<float>(perArea * contact.area);
+[[nodiscard]] inline double jointStrength(const Contact& contact, double perArea) {
+  return perArea * contact.area;
 }
 
 }  // namespace sherd

@@ -2,18 +2,18 @@
 #include "formats/mesh/scene.h"
 
 #include <algorithm>
-#include <map>
+
+#include "formats/mesh/each_contact.h"
 
 namespace sherd {
 
 std::vector<SceneLevel> levelsOf(const FragmentScene& scene) {
-  constexpr std::size_t kDeepest = 32;
   const std::size_t count = scene.parentOfSplit.size() + 1;
   std::vector<std::size_t> depth(count, 0), shownIn(count, 0);
   for (std::size_t split = 1; split < count; ++split) {
     const std::size_t parent = scene.parentOfSplit[split - 1];
     depth[split] = depth[parent] + 1;
-    shownIn[split] = depth[split] <= kDeepest ? split : shownIn[parent];
+    shownIn[split] = depth[split] <= kDeepestLevel ? split : shownIn[parent];
   }
   std::vector<SceneLevel> levels(count);
   for (std::size_t i = 0; i < scene.pieces.size(); ++i) {
@@ -29,17 +29,11 @@ std::vector<SceneLevel> levelsOf(const FragmentScene& scene) {
 }
 
 std::vector<SceneJoint> jointsOf(const FragmentScene& scene) {
-  std::map<int, std::size_t> indexOf;  // by id
-  for (std::size_t i = 0; i < scene.pieces.size(); ++i) indexOf[scene.pieces[i].id] = i;
   std::vector<SceneJoint> joints;
-  for (std::size_t i = 0; i < scene.pieces.size(); ++i) {
-    for (const Contact& contact : scene.pieces[i].contacts) {
-      const auto other = indexOf.find(contact.fragment);
-      if (contact.fragment > scene.pieces[i].id && other != indexOf.end()) {
-        joints.push_back({i, other->second, &contact});
-      }
-    }
-  }
+  forEachContact(std::span<const ScenePiece>(scene.pieces),
+                 [&](std::size_t one, std::size_t other, const Contact& contact) {
+                   joints.push_back({one, other, &contact});
+                 });
   return joints;
 }
 

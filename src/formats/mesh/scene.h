@@ -27,7 +27,7 @@ struct ScenePiece {
 
 struct FragmentScene {
   std::string name;                          ///< of the root
-  std::vector<ScenePiece> pieces{};          ///< ascending by id; they share one table of materials
+  std::vector<ScenePiece> pieces{};          ///< ids 1, 2, ...; they share one table of materials
   std::vector<std::size_t> parentOfSplit{};  ///< [splits] number of the split that it comes from,
                                              ///< below its own; 0: none
   std::string textureFolder{};  ///< relative to the scene's file, with a slash, or empty
@@ -38,6 +38,9 @@ struct FragmentScene {
   bool plain = false;  ///< in glTF: meshes have vertices and triangles only, no materials
 };
 
+/// Levels deeper than this are one with it.
+inline constexpr std::size_t kDeepestLevel = 32;
+
 /// What is written below a split, or the whole.
 struct SceneLevel {
   std::vector<std::size_t> pieces{};  ///< indices into FragmentScene::pieces
@@ -47,7 +50,7 @@ struct SceneLevel {
 };
 
 /// Returns the levels: the whole and that of each split. Those of splits without pieces are in no
-/// other. Below 32 levels the pieces of a split are those of the one that it comes from.
+/// other.  Below kDeepestLevel the pieces of a split are those of the one that it comes from.
 ///   return  [1 + splits]
 [[nodiscard]] std::vector<SceneLevel> levelsOf(const FragmentScene& scene);
 
@@ -62,7 +65,7 @@ struct SceneJoint {
   const Contact* contact = nullptr;
 };
 
-/// Returns the contacts between pieces of a scene, each once, ascending by its first piece.
+/// Returns the contacts between pieces of a scene, see forEachContact.
 [[nodiscard]] std::vector<SceneJoint> jointsOf(const FragmentScene& scene);
 
 /// Writes a scene as binary glTF 2.0 with embedded PNG and JPEG textures: a node for each piece at

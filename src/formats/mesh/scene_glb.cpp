@@ -5,6 +5,7 @@
 #include "formats/mesh/glb_file.h"
 #include "formats/mesh/glb_materials.h"
 #include "formats/mesh/glb_mesh.h"
+#include "formats/mesh/joint_strength.h"
 #include "formats/mesh/scene.h"
 #include "mesh/principal_inertia.h"
 
@@ -99,7 +100,7 @@ class SceneWriter {
       Json node = frame(joint.one, joint.other, *joint.contact);
       node["extensions"] = {{kPhysics, {{"joint", {{"connectedNode", first + 1}, {"joint", 0}}}}}};
       node["extras"] = {{"area", joint.contact->area},
-                        {"breakForce", scene_.strength * joint.contact->area}};
+                        {"breakForce", jointStrength(*joint.contact, scene_.strength)}};
       file_.nodes.push_back(std::move(node));
       file_.nodes.push_back(frame(joint.other, joint.one, *joint.contact));
       file_.nodes[joint.one]["children"].push_back(first);
