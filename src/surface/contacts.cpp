@@ -46,14 +46,13 @@ std::uint16_t majorityLabelAround(const glm::dvec3& p, std::uint16_t own, LabelR
   return best;
 }
 
-using SurfaceSums = std::map<ContactMeasure::Pair, ContactMeasure::SurfaceSum>;
+}  // namespace
 
-// Pairs of fragments that share voxel faces, with the sums over these faces.
-SurfaceSums voxelSurfaces(const Solid& solid, const Labels& labels, const Cut& cut,
+ContactSums voxelContacts(const Solid& solid, const Labels& labels, const Cut& cut,
                           std::span<const LeafNeighbors> neighborhoods) {
   const LeafBlocks& blocks = *solid.blocks;
   const double faceArea = solid.frame.voxelSize * solid.frame.voxelSize;
-  SurfaceSums found;
+  ContactSums found;
   for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
     // A leaf with one label and no eroded voxels had one label before erosion too.
     if (cut.only[leaf] != 0 && cut.only[leaf] != Labels::kEroded) continue;
@@ -86,7 +85,9 @@ SurfaceSums voxelSurfaces(const Solid& solid, const Labels& labels, const Cut& c
   return found;
 }
 
-std::vector<std::vector<Contact>> contactsOf(std::size_t fragments, const SurfaceSums& sums) {
+namespace {
+
+std::vector<std::vector<Contact>> contactsOf(std::size_t fragments, const ContactSums& sums) {
   std::vector<std::vector<Contact>> all(fragments);
   for (const auto& [pair, sum] : sums) {
     const double length = glm::length(sum.normal);
@@ -109,10 +110,9 @@ std::vector<std::vector<Contact>> contactsOf(std::size_t fragments, const Surfac
 
 }  // namespace
 
-TouchingFragments touchingFragments(std::size_t fragments, const Solid& solid, const Labels& labels,
-                                    const Cut& cut, std::span<const LeafNeighbors> neighborhoods) {
+TouchingFragments touchingFragments(std::size_t fragments, const ContactSums& voxels) {
   TouchingFragments touching(fragments + 1);
-  for (const auto& [pair, sum] : voxelSurfaces(solid, labels, cut, neighborhoods)) {
+  for (const auto& [pair, sum] : voxels) {
     touching[pair.first].push_back(pair.second);
     touching[pair.second].push_back(pair.first);
   }
@@ -180,10 +180,11 @@ void ContactMeasure::add(const Fragment& fragment) {
 }
 
 void ContactMeasure::add(std::uint16_t fragment, const SurfaceTriangle& face) {
-  const Pair pair{std::min(fragment, face.neighbor), std::max(fragment, face.neighbor)};
+  const ContactSums::key_type pair{std::min(fragment, face.neighbor),
+                                   std::max(fragment, face.neighbor)};
   if (lastSum_ == nullptr || pair != last_) {
     last_ = pair;
-    lastSum_ = &measured_[pair];
+    lastSum_ = &sums_[pair];
   }
   const auto& [a, b, c] = face.corner;
   const glm::dvec3 doubled = glm::cross(b - a, c - a) * (fragment < face.neighbor ? 1.0 : -1.0);
@@ -193,26 +194,24 @@ void ContactMeasure::add(std::uint16_t fragment, const SurfaceTriangle& face) {
   lastSum_->add(doubledArea / 4, doubled / doubledArea, (a + b + c) / 3.0);
 }
 
-std::vector<std::vector<Contact>> ContactMeasure::contacts(
-    std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
-    std::span<const LeafNeighbors> neighborhoods) const {
-  SurfaceSums all = voxelSurfaces(solid, labels, cut, neighborhoods);
+std::vector<std::vector<Contact>> ContactMeasure::contacts(std::size_t fragments,
+                                                           ContactSums voxels) const {
   // A contact of a few voxels may have no face in the meshes; its voxel faces are used then.  And
   // fragments whose voxels share only an edge may have faces towards each other where erosion has
   // left nothing else near.
-  for (const auto& [pair, sum] : measured_) {
-    const auto found = all.find(pair);
-    if (found != all.end()) {
+  for (const auto& [pair, sum] : sums_) {
+    const auto found = voxels.find(pair);
+    if (found != voxels.end()) {
       found->second = sum;
     } else if (sum.area > 0.0) {
-      all.emplace(pair, sum);
+      voxels.emplace(pair, sum);
     }
   }
-  return contactsOf(fragments, all);
+  return contactsOf(fragments, voxels);
 }
 
 std::vector<std::vector<Contact>> ContactMeasure::contacts(std::size_t fragments) const {
-  return contactsOf(fragments, measured_);
+  return contactsOf(fragments, sums_);
 }
 
 }  // namespace sherd

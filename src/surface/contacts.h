@@ -23,13 +23,31 @@ inline constexpr int kMaxErosionDepth = 64;
 /// [fragments + 1] ids of the fragments whose voxels share a face with those of each, ascending.
 using TouchingFragments = std::vector<std::vector<std::uint16_t>>;
 
-/// Returns the fragments in contact.
+/// Sums over the faces between a pair of fragments.
+struct ContactSum {
+  double area = 0.0;
+  glm::dvec3 normal{0.0};    ///< area-weighted, from the lower id to the higher
+  glm::dvec3 centroid{0.0};  ///< area-weighted
+
+  void add(double faceArea, const glm::dvec3& faceNormal, const glm::dvec3& at) {
+    area += faceArea;
+    normal += faceArea * faceNormal;
+    centroid += faceArea * at;
+  }
+};
+
+/// By pair of fragments, the lower id first.
+using ContactSums = std::map<std::pair<std::uint16_t, std::uint16_t>, ContactSum>;
+
+/// Returns the pairs of fragments that share voxel faces, with the sums over these faces.
 ///   labels         before erosion
-///   cut            of the eroded labels
+///   cut            of the eroded labels, of any extent
 ///   neighborhoods  of the solid's leaves
-[[nodiscard]] TouchingFragments touchingFragments(std::size_t fragments, const Solid& solid,
-                                                  const Labels& labels, const Cut& cut,
-                                                  std::span<const LeafNeighbors> neighborhoods);
+[[nodiscard]] ContactSums voxelContacts(const Solid& solid, const Labels& labels, const Cut& cut,
+                                        std::span<const LeafNeighbors> neighborhoods);
+
+/// Returns the fragments in contact.
+[[nodiscard]] TouchingFragments touchingFragments(std::size_t fragments, const ContactSums& voxels);
 
 /// Finds the fragments on the other side of fracture faces.
 class NeighborSearch {
@@ -86,38 +104,21 @@ class ContactMeasure {
 
   /// Returns whether faces between two fragments have been added.
   [[nodiscard]] bool has(std::uint16_t a, std::uint16_t b) const {
-    return measured_.contains({std::min(a, b), std::max(a, b)});
+    return sums_.contains({std::min(a, b), std::max(a, b)});
   }
 
   /// Returns the contacts of fragments 1..fragments, all of which must have been added.
-  ///   labels         before erosion
-  ///   cut            of the eroded labels
-  ///   neighborhoods  of the solid's leaves
-  [[nodiscard]] std::vector<std::vector<Contact>> contacts(
-      std::size_t fragments, const Solid& solid, const Labels& labels, const Cut& cut,
-      std::span<const LeafNeighbors> neighborhoods) const;
+  ///   voxels  see voxelContacts
+  [[nodiscard]] std::vector<std::vector<Contact>> contacts(std::size_t fragments,
+                                                           ContactSums voxels) const;
 
   /// The same of fragments that share voxel faces only where faces have been added.
   [[nodiscard]] std::vector<std::vector<Contact>> contacts(std::size_t fragments) const;
 
-  /// Sums over the shared surface of a pair of fragments.
-  struct SurfaceSum {
-    double area = 0.0;
-    glm::dvec3 normal{0.0};    ///< area-weighted, from the lower id to the higher
-    glm::dvec3 centroid{0.0};  ///< area-weighted
-
-    void add(double faceArea, const glm::dvec3& faceNormal, const glm::dvec3& at) {
-      area += faceArea;
-      normal += faceArea * faceNormal;
-      centroid += faceArea * at;
-    }
-  };
-  using Pair = std::pair<std::uint16_t, std::uint16_t>;  ///< lower, higher
-
  private:
-  std::map<Pair, SurfaceSum> measured_;
-  Pair last_{0, 0};
-  SurfaceSum* lastSum_ = nullptr;  // of last_
+  ContactSums sums_;
+  ContactSums::key_type last_{0, 0};
+  ContactSum* lastSum_ = nullptr;  // of last_
 };
 
 }  // namespace sherd

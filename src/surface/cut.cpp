@@ -278,7 +278,7 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& ne
   VoxelBits requested;
   requested.fill(0xff);
   if (corners != nullptr) requested = cutCorners(*corners);
-  if (!isAny(requested)) return cut;
+  if (extent == CutExtent::none || !isAny(requested)) return cut;
 
   VoxelBits rest = requested;
   if (from.sites.empty() && from.splits.empty()) {

@@ -49,6 +49,7 @@ enum class CutExtent {
   everywhere,
   exact,  ///< everywhere, and not clamped where the cut is a plane, so that it is flat
   cells,  ///< at the corners of cells with several labels, enough for interface_surface.h
+  none,   ///< nowhere: only which fragments are near a leaf is found
 };
 
 /// Returns the cut between all labels.

@@ -92,10 +92,11 @@ std::vector<bool> onSolid(const LabeledMesh& mesh) {
 }
 
 // With independent interfaces each fragment is meshed alone, with the leaves around it.  Exact
-// surfaces may fail, and become what the other options say.
-bool needsWholeCut(const SurfaceOptions& surface) {
-  return surface.levelSets ||
-         (surface.surface != Surface::labels && surface.interface == Interface::independent);
+// surfaces have a cut of their own, labels need none.
+CutExtent extentFor(const SurfaceOptions& surface) {
+  if (surface.levelSets) return CutExtent::everywhere;
+  if (surface.surface != Surface::smooth) return CutExtent::none;
+  return surface.interface == Interface::independent ? CutExtent::everywhere : CutExtent::cells;
 }
 
 const SurfaceOptions& checked(const Solid& solid, const ExtractOptions& options,
@@ -120,20 +121,24 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       voxels_(checkedCounts(labels, solid)),
       boxes_(voxelBoxes(*solid.blocks, labels)),
-      cut_(std::make_shared<CutSolid>(
-          solid, labels, options.intact,
-          needsWholeCut(surface_) ? CutExtent::everywhere : CutExtent::cells, progress)),
+      cut_(
+          std::make_shared<CutSolid>(solid, labels, options.intact, extentFor(surface_), progress)),
       leaves_(leavesOf(cut_->cut(), count_)) {
   if (surface_.surface == Surface::exact) {
     makeExact(options.exact ? *options.exact
                             : exactMeshes(solid_, labels_, cut_->neighborhoods(), progress_));
+    if (surface_.surface != Surface::exact) {  // it failed, and is what the other options say
+      cut_ =
+          std::make_shared<CutSolid>(solid, labels, options.intact, extentFor(surface_), progress);
+      leaves_ = leavesOf(cut_->cut(), count_);
+    }
   }
   if (surface_.surface != Surface::smooth) return;
   cut_->findCreases(solid, progress);
   simplification_ = simplificationOf(surface_, solid, options.intact.get());
   if (!isShared()) {
-    touching_ = touchingFragments(count_, solid, uneroded_ ? *uneroded_ : labels, cut_->cut(),
-                                  cut_->neighborhoods());
+    voxelContacts_ = voxelContactsOf();
+    touching_ = touchingFragments(count_, voxelContacts_);
     return;
   }
   auto shared = std::make_shared<const FragmentSurfaces>(solid, labels, uneroded_, cut_,
@@ -300,10 +305,14 @@ std::vector<Fragment> Extraction::next() {
   return fragments;
 }
 
-std::vector<std::vector<Contact>> Extraction::contacts() const {
+ContactSums Extraction::voxelContactsOf() const {
   const Labels& before = uneroded_ ? *uneroded_ : labels_;
-  return surfaces_ ? surfaces_->contacts(solid_, before)
-                   : measure_.contacts(count_, solid_, before, cut_->cut(), cut_->neighborhoods());
+  return voxelContacts(solid_, before, cut_->cut(), cut_->neighborhoods());
+}
+
+std::vector<std::vector<Contact>> Extraction::contacts() const {
+  if (surfaces_) return surfaces_->contacts(solid_, uneroded_ ? *uneroded_ : labels_);
+  return measure_.contacts(count_, touching_.empty() ? voxelContactsOf() : voxelContacts_);
 }
 
 std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const Solid& solid,

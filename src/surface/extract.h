@@ -50,6 +50,7 @@ class Extraction {
   };
 
   bool isShared() const;
+  ContactSums voxelContactsOf() const;
   void processTogether(std::shared_ptr<const FragmentSurfaces> surfaces);
   void makeExact(ExactSurface exact);
   std::size_t endOfBatch() const;
@@ -68,13 +69,14 @@ class Extraction {
   const std::size_t count_;
   const std::vector<std::uint64_t> voxels_;  ///< [fragments + 1]
   const std::vector<VoxelBox> boxes_;        ///< [fragments + 1]
-  const std::shared_ptr<CutSolid> cut_;
+  std::shared_ptr<CutSolid> cut_;
   Simplification simplification_{};
-  const std::vector<std::vector<std::uint32_t>> leaves_;  ///< [fragments + 1] ascending
-  std::shared_ptr<const FragmentSurfaces> surfaces_;      ///< if meshes are shared, not processed
+  std::vector<std::vector<std::uint32_t>> leaves_;    ///< [fragments + 1] ascending
+  std::shared_ptr<const FragmentSurfaces> surfaces_;  ///< if meshes are shared, not processed
   std::shared_ptr<const FragmentSurfaces> unmerged_;
   Processed processed_;         ///< if meshes are processed, or exact
-  TouchingFragments touching_;  ///< if fragments are meshed independently
+  ContactSums voxelContacts_;   ///< if fragments are meshed independently
+  TouchingFragments touching_;  ///< likewise
   std::string exactFailure_;
   ContactMeasure measure_;
   std::size_t next_ = 0;

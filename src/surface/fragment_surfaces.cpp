@@ -228,7 +228,7 @@ std::vector<std::vector<Contact>> FragmentSurfaces::contacts(const Solid& solid,
   }
   // Each face between voxels of two fragments is a quad, unless erosion has parted them.
   if (neighbors_.empty()) return measure.contacts(count_);
-  return measure.contacts(count_, solid, labels, cut_->cut(), cut_->neighborhoods());
+  return measure.contacts(count_, voxelContacts(solid, labels, cut_->cut(), cut_->neighborhoods()));
 }
 
 SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {

@@ -218,8 +218,10 @@ std::vector<std::vector<Contact>> contactsOfMeshes(const Both& both, const Label
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(both.bare.solid.blocks->origins);
   ContactMeasure measure;
   for (const Fragment& fragment : both.meshed.fragments) measure.add(fragment);
-  return measure.contacts(both.bare.fragments.size(), both.bare.solid, before,
-                          findCut(both.bare.labels, neighborhoods), neighborhoods);
+  return measure.contacts(
+      both.bare.fragments.size(),
+      voxelContacts(both.bare.solid, before,
+                    findCut(both.bare.labels, neighborhoods, CutExtent::none), neighborhoods));
 }
 
 struct ContactTolerance {
