@@ -52,8 +52,10 @@ if [ -n "${SHERD_TEST_DATA:-}" ]; then
 fi
 build/release/tests/sherd_exact_sweep 2000 1 "${meshes[@]}"
 
-echo "== the same bytes on every device"
+echo "== the same bytes on every device, and the kernels with the least instructions"
 tests/long/devices.py build/release/sherd
+tools/build.sh release sherd_kernel_tests
+SHERD_TEST_DEVICE=x86-64-v2 SHERD_PROPERTY_CASES=60 build/release/tests/sherd_kernel_tests --gtest_brief=1
 
 echo "== points against Debian's Point Cloud Library"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null
