@@ -6,6 +6,9 @@
 // A weight is subtracted from the squared distance to its seed, so the cells of Euclidean distances are those of a power
 // diagram: the difference of two distances stays linear.
 //
+// In thin walls Euclidean distances may be those of the middle of the wall at a voxel: then all voxels on a straight line
+// through the wall have one label, and cracks pass straight through it.
+//
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/growths_test.cpp, bit for bit.
 
@@ -26,14 +29,15 @@ inline long leaf_bound(const struct sherd_metric* metric, const int4 center, con
   return sherd_norm(metric->kind, a[0], a[1], a[2]);
 }
 
-// The seeds of a fracture, and what decides which of them may be nearest to a voxel of a leaf.
+// The seeds of a fracture, and what decides which of them may be nearest to a voxel of a leaf.  A voxel's point is its
+// center, or the middle of its wall.
 struct leaf_seeds {
   const global int4* seed;
   const global long* weight;
   uint first, last;
   int4 low;     // lowest voxel of the leaf
-  int4 center;  // of the leaf; of Euclidean distances that of its inside voxels' box
-  int4 reach;   // from the center of that box to its corners
+  int4 center;  // of the leaf; of Euclidean distances that of the box of its inside voxels' points
+  int4 reach;   // from the center of that box to its corners, or more
   uint near;    // a seed near the center
   long bound;   // of the distance of any of its voxels to the nearest seed, unless Euclidean
 };
@@ -92,9 +96,37 @@ inline void mask_box(const ulong* mask, int4* low, int4* high) {
   *high = (int4)(last, (63 - (int)clz(all)) >> 3, 63 - (int)clz(row), 0);
 }
 
+inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
+
+// Returns a voxel of a leaf, moved to the middle of its wall.
+//   way  [512*3] of the leaf
+inline int4 middle_at(const int4 low, const int v, const global short* way) {
+  const int4 voxel = low + (int4)(v >> 6, (v >> 3) & 7, v & 7, 0);
+  return NEAREST_VOXEL * voxel + (int4)(way[3 * v], way[3 * v + 1], way[3 * v + 2], 0);
+}
+
+// Returns the box of the points of a leaf's voxels, as its lowest and its highest point.
+inline void point_box(const ulong* mask, const int4 low, const global short* way, int4* lowest, int4* highest) {
+  if (!way) {
+    mask_box(mask, lowest, highest);
+    *lowest = NEAREST_VOXEL * (low + *lowest);
+    *highest = NEAREST_VOXEL * (low + *highest);
+    return;
+  }
+  int is_first = 1;
+  for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+    if (!is_set(mask, v)) continue;
+    const int4 at = middle_at(low, v, way);
+    *lowest = is_first ? at : min(*lowest, at);
+    *highest = is_first ? at : max(*highest, at);
+    is_first = 0;
+  }
+}
+
+//   way  of the leaf, or null where points are centers
 inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const global int4* seed,
                                   const global long* weight, const uint first, const uint last, const ulong* mask,
-                                  const int4 origin) {
+                                  const int4 origin, const global short* way) {
   const int4 middle = NEAREST_VOXEL * origin + 7 * NEAREST_VOXEL / 2;
   struct leaf_seeds seeds = {seed, weight, first, last, origin, middle, (int4)(0), first, LONG_MAX};
   if (metric->kind != SHERD_EUCLIDEAN) {
@@ -102,9 +134,9 @@ inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const globa
     return seeds;
   }
   int4 low, high;
-  mask_box(mask, &low, &high);
-  seeds.center = NEAREST_VOXEL * origin + NEAREST_VOXEL / 2 * (low + high);
-  seeds.reach = NEAREST_VOXEL / 2 * (high - low);
+  point_box(mask, origin, way, &low, &high);
+  seeds.center = low + (high - low) / 2;
+  seeds.reach = high - seeds.center;
   long nearest = LONG_MAX;
   for (uint s = first; s < last; ++s) {
     const int4 from = seeds.center - seed[s];
@@ -155,6 +187,55 @@ inline void compare_farther(const struct farther* f, const ushort own, const ulo
   }
 }
 
+// The same where points are the middles of walls: f is that of the leaf's lowest voxel.
+inline void compare_middles(const struct farther* f, const ushort own, const ulong* mask, const global short* way,
+                            long* best, ushort* label) {
+  for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+    if (!is_set(mask, v)) continue;
+    const int4 from = middle_at((int4)(0), v, way);
+    const long d = f->there + f->slope[0] * from.x + f->slope[1] * from.y + f->slope[2] * from.z;
+    if (d < best[v]) {
+      best[v] = d;
+      label[v] = own;
+    }
+  }
+}
+
+// The whole distance, as compare_seed, where points are the middles of walls.
+inline void compare_seed_with_middles(const struct sherd_metric* metric, const int4 at, const long weight, const int4 low,
+                                      const ulong* mask, const global short* way, long* best, ushort* label) {
+  for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
+    if (!is_set(mask, v)) continue;
+    const int4 from = middle_at(low, v, way) - at;
+    const long d = sherd_distance(metric, from.x, from.y, from.z) - weight;
+    if (d < best[v]) {
+      best[v] = d;
+      label[v] = (ushort)at.w;
+    }
+  }
+}
+
+// Compares a seed of a leaf with the nearest so far, see compare_seed.
+//   relative  distances to that of `near`; Euclidean ones only
+inline void compare(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s, const int relative,
+                    const ulong* mask, const global short* way, long* best, ushort* label) {
+  const int4 at = seeds->seed[s];
+  const long weight = seeds->weight[s];
+  if (relative) {
+    const struct farther f = farther_than(metric, at, seeds->seed[seeds->near], seeds->weight[seeds->near] - weight,
+                                          NEAREST_VOXEL * seeds->low);
+    if (way) {
+      compare_middles(&f, (ushort)at.w, mask, way, best, label);
+    } else {
+      compare_farther(&f, (ushort)at.w, mask, best, label);
+    }
+  } else if (way) {
+    compare_seed_with_middles(metric, at, weight, seeds->low, mask, way, best, label);
+  } else {
+    compare_seed(metric, at, weight, seeds->low, mask, best, label);
+  }
+}
+
 // Copies a leaf's mask; returns the union of its words.
 inline ulong load_mask(const global ulong* inside, ulong* mask) {
   ulong any = 0;
@@ -165,8 +246,6 @@ inline ulong load_mask(const global ulong* inside, ulong* mask) {
   return any;
 }
 
-inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
-
 kernel void nearest(
     const global ulong* restrict inside,      // [leafCount*8]
     const global int4* restrict origin,       // [leafCount]    lowest voxel as seen from the lowest leaf, w unused
@@ -176,6 +255,8 @@ kernel void nearest(
     const global long* restrict weight,       // [seeds]        in the unit of Euclidean distances; 0 of others
     const global uint* restrict firstSeed,    // [fractures+1]
     const struct sherd_metric metric,
+    const global short* restrict ways,        // [leafCount*512*3] to the middle of walls, 1/64 voxel; [1] where no fracture uses it
+    const global uint* restrict usesWay,      // [fractures]    0, as with all metrics but the Euclidean: points are centers
     global ushort* restrict owner,            // [items*512]    out, see leaf_labels.h: 1.. inside, 0 outside
     global uint* restrict tag,                // [items]        out
     global ulong* restrict second,            // [items*3*8]    out
@@ -191,8 +272,10 @@ kernel void nearest(
       tag[item] = 0;
       continue;
     }
+    const uint fracture = item / leafCount;
+    const global short* way = usesWay[fracture] ? ways + (size_t)leaf * SHERD_LEAF_SIZE * 3 : 0;
     const struct leaf_seeds seeds =
-        seeds_of(&metric, seed, weight, firstSeed[item / leafCount], firstSeed[item / leafCount + 1], mask, origin[leaf]);
+        seeds_of(&metric, seed, weight, firstSeed[fracture], firstSeed[fracture + 1], mask, origin[leaf], way);
     uint labels = 0;  // of the seeds that may be nearest, as a tag
     for (uint s = seeds.first; s < seeds.last && labels != SHERD_TAG_MIXED; ++s) {
       if (may_be_nearest(&metric, &seeds, s)) labels = with_label(labels, (uint)seed[s].w);
@@ -209,14 +292,7 @@ kernel void nearest(
     }
     const int relative = metric.kind == SHERD_EUCLIDEAN && !keepCost;
     for (uint s = seeds.first; s < seeds.last; ++s) {
-      if (!may_be_nearest(&metric, &seeds, s)) continue;
-      if (relative) {
-        const struct farther f = farther_than(&metric, seed[s], seed[seeds.near], weight[seeds.near] - weight[s],
-                                              NEAREST_VOXEL * seeds.low);
-        compare_farther(&f, (ushort)seed[s].w, mask, best, label);
-      } else {
-        compare_seed(&metric, seed[s], weight[s], seeds.low, mask, best, label);
-      }
+      if (may_be_nearest(&metric, &seeds, s)) compare(&metric, &seeds, s, relative, mask, way, best, label);
     }
     write_labels(mask, label, labels, (uint)item, owner, tag, second);
     for (int v = 0; keepCost && v < SHERD_LEAF_SIZE; ++v) {

@@ -36,7 +36,8 @@ struct GrowthRule {
   bool usesNeighborhood = false;   ///< GrowOptions::neighborhood
   bool usesMetric = false;         ///< GrowOptions::metric; else the metric is Euclidean
   bool growsOverFaces = false;     ///< over 6 neighbors the voxels of a seed are connected
-  bool givesVoronoiCells = false;  ///< with the Euclidean metric, so that cuts are planes
+  bool givesVoronoiCells = false;  ///< with the Euclidean metric, so that cuts are planes, in
+                                   ///< thin walls bent as these are
   bool regrowsByChamfer = false;   ///< disconnected voxels are regrown by a 5^3 chamfer first
   bool splits = false;             ///< pieces are split one after another; there are no seeds
   double bytesPerVoxel = 0.0;      ///< memory beyond that of a flood, measured
@@ -144,16 +145,16 @@ struct Labels {
   /// were regrown.
   std::vector<std::uint64_t> disconnected{};
   VoronoiSites sites{};  ///< if not empty, voxels belong to the nearest of these seeds except
-                         ///< where they were regrown or eroded, so cuts are planes.  Empty for
-                         ///< growths without this property
+                         ///< where they were regrown or eroded, so cuts are planes, unless walls
+                         ///< bend them.  Empty for growths without this property
   std::vector<Split> splits{};  ///< of growths by splits, a piece before those that come of it: the
                                 ///< crack between two fragments lies on the plane that parted
                                 ///< them.  Normals are 0 where cracks are rough
   /// Of splits without a plane: on their positive side the signed distance to a crack is positive.
   /// Null if there are none, and where cracks are rough.
   std::shared_ptr<const GivenCracks> cracks{};
-  /// Of splits in thin walls: planes and spheres are compared with the middle of the wall at a
-  /// voxel, so that cracks pass straight through it.  Null: with the voxel itself.
+  /// In thin walls: the planes and spheres of splits, and sites, are compared with the middle of
+  /// the wall at a voxel, so that cracks pass straight through it.  Null: with the voxel itself.
   std::shared_ptr<const WallMiddles> walls{};
 };
 
@@ -187,10 +188,20 @@ struct GrowOptions {
   bool regrowIsolated = true;  ///< gives voxels disconnected from their fragment's first seed to
                                ///< neighbors, so that every fragment is 6-connected
   std::vector<std::uint64_t> noiseSeeds{};  ///< [seed sets] for rough cracks; missing ones are 0
-  bool keepCost = false;                    ///< also returns the arrival cost
-  int outerSteps = 6;  ///< steps by which labels are extended into the exterior band, 0..64
+  /// [seed sets] for growths that give Voronoi cells, by Euclidean distances: those of the same
+  /// leaf blocks, at whose middle voxels are compared with seeds, see Labels::walls; missing ones
+  /// are null.  All that are not null are the same.
+  std::vector<std::shared_ptr<const WallMiddles>> walls{};
+  bool keepCost = false;  ///< also returns the arrival cost
+  int outerSteps = 6;     ///< steps by which labels are extended into the exterior band, 0..64
   DeviceTuning tuning{};
 };
+
+/// Returns whether a growth gives each voxel the nearest seed by Euclidean distances.
+[[nodiscard]] inline bool givesCells(const GrowOptions& options) {
+  const GrowthRule& rule = ruleOf(options.growth);
+  return rule.givesVoronoiCells && (!rule.usesMetric || options.metric == Metric::euclidean);
+}
 
 /// Grows fragments from all seeds at once over the inside.  A voxel belongs to the fragment that
 /// reaches it at the lowest (cost, id), so the result does not depend on device, work-group size or

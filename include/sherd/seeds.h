@@ -58,7 +58,8 @@ struct Seed {
   openvdb::Coord voxel;        ///< an inside voxel, which belongs to the fragment
   std::uint16_t fragment = 0;  ///< 1..kMaxFragments
   glm::ivec3 shift{0};         ///< of the point from the voxel's center, 1/kSeedSteps voxel, within
-                        ///< kMostShift.  Distances of growths by nearest seed are to the point
+                        ///< kMostShift, but in thin walls in VoronoiSites.  Distances of growths by
+                        ///< nearest seed are to the point
   std::int64_t weight = 0;  ///< subtracted from the squared distance to the point, which is in
                             ///< (1/kSeedSteps voxel)^2, so that cells differ in size
   bool operator==(const Seed&) const = default;
@@ -95,7 +96,8 @@ enum class SeedsOn {
   surface,    ///< at the surface, in inside voxels with a face neighbor that is not inside: points
               ///< within 1/256 of the box's longest side of it, moved onto it
   wall,       ///< anywhere inside, and moved to the middle of the wall where the solid is thinner
-              ///< than a cube of a piece's volume: cracks cross walls nearly at right angles
+              ///< than a cube of a piece's volume: cracks pass straight through thin walls, those
+              ///< between Voronoi cells of given seeds and those of splits too
 };
 
 /// A ray in world space.

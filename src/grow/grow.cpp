@@ -92,6 +92,7 @@ struct Growing {
   const SeedTable& seeds;
   const GrowOptions& options;
   const Progress* progress;
+  std::span<const std::shared_ptr<const WallMiddles>> walls{};  // [fractures], of seeds' kernels
   DeviceLabels labels{};
   DeviceBuffer cost{};
   std::vector<std::vector<std::uint64_t>> disconnected{};  // [fracture][pass]
@@ -116,7 +117,7 @@ struct Growing {
 
   void growFirst() {
     if (rule().kernel != nullptr) {
-      return store(growByKernel(state, seeds, rule().kernel, metric(), options.keepCost));
+      return store(growByKernel(state, seeds, rule().kernel, metric(), walls, options.keepCost));
     }
     if (options.growth == Growth::chain) return store(growChain(state, seeds, metric(), progress));
     store(
@@ -254,19 +255,18 @@ Flood growAll(Growing& growing) {
   return roughAndExtended(growing, kept);
 }
 
-bool givesVoronoiCells(const GrowOptions& options) {
-  return options.roughness.isZero() && ruleOf(options.growth).givesVoronoiCells &&
-         metricOf(options) == Metric::euclidean;
-}
-
 // Returns how many fractures grow together: no buffer may exceed the device's largest allocation
 // (the cost takes four bytes per voxel), nor all buffers its memory.
-std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device) {
+//   inWalls  with the ways to the middle of walls, once for all
+std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device, bool inWalls) {
   constexpr std::size_t kLargestPerLeaf = sizeof(std::uint32_t) * SHERD_LEAF_SIZE;
   constexpr std::size_t kAllPerLeaf = 8 << 10;  // of chain, the largest: docs/kernels.md, "Memory"
+  constexpr std::size_t kWaysPerLeaf = 3 * sizeof(std::int16_t) * SHERD_LEAF_SIZE;
   const DeviceInfo& info = device.info();
+  const std::size_t ways = inWalls ? kWaysPerLeaf * blocks.count() : 0;
   const std::size_t leaves =
-      std::min(info.largestBufferBytes / kLargestPerLeaf, info.memoryBytes / kAllPerLeaf);
+      std::min(info.largestBufferBytes / kLargestPerLeaf,
+               (info.memoryBytes - std::min(ways, info.memoryBytes)) / kAllPerLeaf);
   return std::max<std::size_t>(leaves / std::max<std::size_t>(blocks.count(), 1), 1);
 }
 
@@ -312,38 +312,46 @@ std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
                               std::span<const std::vector<Seed>> seedSets, Device& device,
                               const GrowOptions& options, const Progress* progress) {
   std::vector<std::vector<Seed>> settledSets(seedSets.begin(), seedSets.end());
+  std::vector<std::shared_ptr<const WallMiddles>> walls;
+  if (givesCells(options)) walls = options.walls;
+  walls.resize(seedSets.size());
   if (ruleOf(options.growth).kernel != nullptr) {
-    for (std::vector<Seed>& seeds : settledSets) {
-      seeds = settled(seeds, metricOf(options), options.anisotropy);
+    for (std::size_t f = 0; f < settledSets.size(); ++f) {
+      settledSets[f] = settled(settledSets[f], metricOf(options), options.anisotropy, walls[f]);
     }
   }
   const SeedTable table = tableOf(*blocks, settledSets);
   GrowthState state(*blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
-  Growing growing{state, table, options, progress};
+  Growing growing{state, table, options, progress, walls};
   Flood last = growAll(growing);
   std::vector<Labels> all = readLabels(growing, last);
   for (std::size_t f = 0; f < all.size(); ++f) {
     all[f].blocks = blocks;
     all[f].fragmentCount = fragmentsOf(seedSets[f]);
-    if (!givesVoronoiCells(options)) continue;
+    if (!givesCells(options) || !options.roughness.isZero()) continue;
     all[f].sites = {std::move(settledSets[f]), options.anisotropy};
+    all[f].walls = walls[f];
   }
   return all;
 }
 
 // Grows fractures in batches that fit the device.
+//   inWalls  as of fracturesAtOnce
 template <class Grown, class Run, class Grow>
 std::vector<Grown> inBatches(std::span<const Run> runs, const LeafBlocks& blocks,
-                             const Device& device, const GrowOptions& options, const Grow& grow) {
-  const std::size_t batch = fracturesAtOnce(blocks, device);
+                             const Device& device, bool inWalls, const GrowOptions& options,
+                             const Grow& grow) {
+  const std::size_t batch = fracturesAtOnce(blocks, device, inWalls);
   std::vector<Grown> all;
   for (std::size_t first = 0; first < runs.size(); first += batch) {
     const std::size_t count = std::min(batch, runs.size() - first);
     GrowOptions batchOptions = options;
-    batchOptions.noiseSeeds.resize(runs.size());
-    batchOptions.noiseSeeds.erase(
-        batchOptions.noiseSeeds.begin(),
-        batchOptions.noiseSeeds.begin() + static_cast<std::ptrdiff_t>(first));
+    const auto from = [&](auto& perRun) {
+      perRun.resize(runs.size());
+      perRun.erase(perRun.begin(), perRun.begin() + static_cast<std::ptrdiff_t>(first));
+    };
+    from(batchOptions.noiseSeeds);
+    from(batchOptions.walls);
     for (Grown& grown : grow(runs.subspan(first, count), batchOptions)) {
       all.push_back(std::move(grown));
     }
@@ -362,9 +370,17 @@ std::vector<Labels> grow(std::shared_ptr<const LeafBlocks> blocks,
     throw Error(ErrorCode::usage, "this growth splits a solid, and does not grow from seeds",
                 OptionNames{"growth"});
   }
-  return inBatches<Labels>(seedSets, *blocks, device, options, [&](auto sets, const auto& own) {
+  bool inWalls = false;
+  for (const std::shared_ptr<const WallMiddles>& walls : options.walls) {
+    if (walls == nullptr) continue;
+    inWalls = true;
+    if (walls->blocks().origins == blocks->origins) continue;
+    throw Error(ErrorCode::usage, "the walls are those of other leaf blocks");
+  }
+  const auto growSome = [&](auto sets, const auto& own) {
     return growBatch(blocks, sets, device, own, progress);
-  });
+  };
+  return inBatches<Labels>(seedSets, *blocks, device, inWalls, options, growSome);
 }
 
 std::vector<SeededLabels> growBySplits(std::shared_ptr<const LeafBlocks> blocks,
@@ -380,9 +396,12 @@ std::vector<SeededLabels> growBySplits(std::shared_ptr<const LeafBlocks> blocks,
                     std::to_string(voxels) + " voxels; try a higher resolution",
                 OptionNames{"resolution"});
   }
-  return inBatches<SeededLabels>(runs, *blocks, device, options, [&](auto some, const auto& own) {
+  const bool inWalls = std::any_of(runs.begin(), runs.end(),
+                                   [](const SplitRun& run) { return run.middles != nullptr; });
+  const auto growSome = [&](auto some, const auto& own) {
     return splitBatch(blocks, components, some, device, own, progress);
-  });
+  };
+  return inBatches<SeededLabels>(runs, *blocks, device, inWalls, options, growSome);
 }
 
 Labels extendLabels(Labels labels, Device& device, int steps) {

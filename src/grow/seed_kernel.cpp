@@ -5,11 +5,13 @@
 #include <numeric>
 
 #include "grow/metric.h"
+#include "grow/ways_on_device.h"
 
 namespace sherd {
 
 Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kernel,
-                   const sherd_metric& metric, bool keepCost) {
+                   const sherd_metric& metric,
+                   std::span<const std::shared_ptr<const WallMiddles>> walls, bool keepCost) {
   std::vector<std::size_t> order(seeds.item.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto fractureOf = [&](std::size_t i) { return seeds.item[i] / state.leafCount; };
@@ -33,11 +35,12 @@ Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kerne
   const DeviceBuffer points = uploadBuffer<Int4>(state.device, point);
   const DeviceBuffer weights = uploadBuffer<std::int64_t>(state.device, weight);
   const DeviceBuffer firsts = uploadBuffer<std::uint32_t>(state.device, first);
+  const WaysOnDevice ways = uploadWays(state, walls);
   Grown grown{makeLabels(state),
               makeBuffer<std::uint32_t>(state.device, keepCost ? state.voxels() : 1)};
   state.run(kernel, state.items, state.inside, origins, state.leafCount, state.items, points,
-            weights, firsts, metric, grown.labels.owner, grown.labels.tag, grown.labels.second,
-            grown.cost, static_cast<std::uint32_t>(keepCost));
+            weights, firsts, metric, ways.way, ways.isUsed, grown.labels.owner, grown.labels.tag,
+            grown.labels.second, grown.cost, static_cast<std::uint32_t>(keepCost));
   state.device.finish();  // the seeds' buffers are released here
   return grown;
 }

@@ -28,8 +28,7 @@ std::string percent(double share) {
 
 void checkSizes(const ShareOptions& options, const GrowOptions& grow) {
   const GrowthRule& rule = ruleOf(grow.growth);
-  if (options.sizes == Sizes::grown || rule.splits) return;
-  if (rule.givesVoronoiCells && (!rule.usesMetric || grow.metric == Metric::euclidean)) return;
+  if (options.sizes == Sizes::grown || rule.splits || givesCells(grow)) return;
   throw Error(ErrorCode::usage,
               std::string("fragments of drawn sizes have planes between weighted seeds, which "
                           "growth by ") +

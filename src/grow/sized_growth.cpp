@@ -116,6 +116,7 @@ class Sizing {
          std::vector<std::uint32_t> componentOf)
       : metric_(metricFor(Metric::euclidean, options.grow.anisotropy)),
         anisotropy_(options.grow.anisotropy),
+        walls_(options.grow.walls.empty() ? nullptr : options.grow.walls.front()),
         componentOf_(std::move(componentOf)),
         seeds_(std::move(seeds)),
         seed_(options.seed),
@@ -257,7 +258,13 @@ class Sizing {
     for (Seed& seed : seeds_) {
       seed.weight = std::llround(kUnit * std::clamp(weight_[seed.fragment], -kMost, kMost));
     }
-    seeds_ = settled(seeds_, Metric::euclidean, anisotropy_);
+    std::shared_ptr<const WallMiddles> walls = walls_;
+    std::vector<Seed> own = settled(seeds_, Metric::euclidean, anisotropy_, walls);
+    if (walls != nullptr) {  // points stay in their voxels: growth moves them by itself
+      for (std::size_t i = 0; i < own.size(); ++i) seeds_[i].weight = own[i].weight;
+    } else {
+      seeds_ = std::move(own);
+    }
     for (const Seed& seed : seeds_) {
       weight_[seed.fragment] =
           std::min(weight_[seed.fragment], static_cast<double>(seed.weight) / kUnit);
@@ -266,6 +273,7 @@ class Sizing {
 
   sherd_metric metric_;
   Anisotropy anisotropy_;
+  std::shared_ptr<const WallMiddles> walls_;
   std::vector<std::uint32_t> componentOf_;  // [fragments + 1]
   std::vector<Seed> seeds_;
   std::uint64_t seed_;

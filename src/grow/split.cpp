@@ -9,6 +9,7 @@
 
 #include "base/cancel_flag.h"
 #include "grow/split_fracture.h"
+#include "grow/ways_on_device.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -44,26 +45,6 @@ std::vector<double> massOfLabels(const GrowthState& state, const SplitNodes& nod
     }
   }
   return mass;
-}
-
-// The ways of voxels to the middle of their walls.
-struct WaysOnDevice {
-  DeviceBuffer way;        // [leaves*512*3], or [1]
-  std::int32_t reach = 0;  // the longest
-  DeviceBuffer isUsed;     // [fractures] uint
-};
-
-WaysOnDevice uploadWays(GrowthState& state, std::span<const SplitRun> runs) {
-  const WallMiddles* used = nullptr;
-  std::vector<std::uint32_t> isUsed;
-  for (const SplitRun& run : runs) {
-    isUsed.push_back(run.middles != nullptr ? 1 : 0);
-    if (run.middles) used = run.middles.get();
-  }
-  const std::array<std::int16_t, 1> none{0};
-  return {uploadBuffer<std::int16_t>(
-              state.device, used != nullptr ? used->ways() : std::span<const std::int16_t>(none)),
-          used != nullptr ? used->reach() : 0, uploadBuffer<std::uint32_t>(state.device, isUsed)};
 }
 
 // Splits the voxels of all fractures by their planes, on the device.
@@ -240,7 +221,9 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   for (const SplitRun& run : runs)
     fractures.push_back(startedFracture(run, state.blocks, components, lowest));
   const DeviceBuffer origins = state.uploadOrigins(lowest);
-  const WaysOnDevice ways = uploadWays(state, runs);
+  std::vector<std::shared_ptr<const WallMiddles>> middles;
+  for (const SplitRun& run : runs) middles.push_back(run.middles);
+  const WaysOnDevice ways = uploadWays(state, middles);
   const std::vector<glm::ivec3> low = lowestOfLeaves(state.blocks, lowest);
   SplitGrowth grown{componentLabels(state, components, fractures), {}};
   SplitNodes nodes = SplitNodes::withoutRoots(state, grown.labels);

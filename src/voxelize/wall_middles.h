@@ -53,7 +53,7 @@ class WallMiddles {
   int reach_ = 0;
 };
 
-/// What growth by splits has to know of a solid's walls, found when it is first asked for:
+/// What growth has to know of a solid's walls, found when it is first asked for:
 /// fractures of one solid share it.  Use it from one thread.
 class SolidWalls {
  public:

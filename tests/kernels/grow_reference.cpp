@@ -31,17 +31,21 @@ struct Nearest {
   std::uint16_t label = 0;
 };
 
-// The nearest seed to a voxel's center, in steps of seeds; ties to the lower label.  Weights are
-// subtracted from squared distances.
-Nearest nearestTo(const Coord& voxel, const std::vector<Seed>& seeds, Metric metric) {
+// The nearest seed to a point, a voxel's center, in steps of seeds; ties to the lower label.
+// Weights are subtracted from squared distances.
+Nearest nearestTo(const glm::i64vec3& point, const std::vector<Seed>& seeds, Metric metric) {
   Nearest best;
   for (const Seed& seed : seeds) {
-    const glm::i64vec3 apart = stepsOf(seed) - stepsOf(Seed{voxel});
+    const glm::i64vec3 apart = stepsOf(seed) - point;
     const std::int64_t d = metricOrder(metric, apart.x, apart.y, apart.z) -
                            (metric == Metric::euclidean ? seed.weight : 0);
     if (d < best.cost || (d == best.cost && seed.fragment < best.label)) best = {d, seed.fragment};
   }
   return best;
+}
+
+Nearest nearestTo(const Coord& voxel, const std::vector<Seed>& seeds, Metric metric) {
+  return nearestTo(stepsOf(Seed{voxel}), seeds, metric);
 }
 
 }  // namespace
@@ -67,6 +71,19 @@ std::map<Coord, Arrival> nearest(const voxel_shapes::VoxelSolid& solid,
   for (const Coord& voxel : solid.inside) {
     const Nearest own = nearestTo(voxel, points, metric);
     owned[voxel] = {static_cast<std::uint64_t>(std::max<std::int64_t>(own.cost, 0)) >> bits,
+                    own.label};
+  }
+  return owned;
+}
+
+std::map<Coord, Arrival> nearestInWalls(const voxel_shapes::VoxelSolid& solid,
+                                        const std::vector<Seed>& settledSeeds,
+                                        const std::function<glm::ivec3(const Coord&)>& wayOf) {
+  std::map<Coord, Arrival> owned;
+  for (const Coord& voxel : solid.inside) {
+    const glm::i64vec3 point = stepsOf(Seed{voxel}) + glm::i64vec3(wayOf(voxel));
+    const Nearest own = nearestTo(point, settledSeeds, Metric::euclidean);
+    owned[voxel] = {static_cast<std::uint64_t>(std::max<std::int64_t>(own.cost, 0)) >> 12,
                     own.label};
   }
   return owned;

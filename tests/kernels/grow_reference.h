@@ -31,6 +31,12 @@ std::vector<Seed> settled(std::vector<Seed> seeds, Metric metric);
 std::map<Coord, Arrival> nearest(const voxel_shapes::VoxelSolid& solid,
                                  const std::vector<Seed>& seeds, Metric metric);
 
+/// The same from where ways lead from each voxel, in steps of seeds, by Euclidean distances to
+/// seeds that are settled.
+std::map<Coord, Arrival> nearestInWalls(const voxel_shapes::VoxelSolid& solid,
+                                        const std::vector<Seed>& settledSeeds,
+                                        const std::function<glm::ivec3(const Coord&)>& wayOf);
+
 struct Step {
   Coord to;  ///< offset
   std::uint64_t weight;

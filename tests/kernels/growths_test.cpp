@@ -8,6 +8,7 @@
 #include "cl/device_impl.h"
 #include "device_fixture.h"
 #include "grow_reference.h"
+#include "random_ways.h"
 
 namespace sherd {
 namespace {
@@ -118,6 +119,62 @@ TEST_F(Growths, WeightedSeedsGivePowerCellsAroundTheirVoxels) {
       EXPECT_TRUE(anyWeight) << solid.name;
     }
   }
+}
+
+// In one batch a fracture in walls and one without; with weights and costs.
+TEST_F(Growths, NearestInWallsEqualsBruteForceAtTheirMiddle) {
+  int compared = 0;
+  for (const VoxelSolid& solid : voxel_shapes::all()) {
+    const auto blocks = voxel_shapes::blocksOf(solid);
+    const std::shared_ptr<const WallMiddles> ways = randomWays(blocks);
+    const auto wayOf = [&](const Coord& voxel) {
+      const std::size_t first = 3 * voxel_shapes::voxelIndexOf(*blocks, voxel);
+      return glm::ivec3(ways->ways()[first], ways->ways()[first + 1], ways->ways()[first + 2]);
+    };
+    for (const bool isWeighted : {false, true}) {
+      std::vector<std::vector<Seed>> sets(2, randomSeeds(solid, 9, 3, 5));
+      std::mt19937 random(7);
+      for (Seed& seed : sets[0]) {
+        if (isWeighted) seed.weight = static_cast<std::int64_t>(random() % 9000);
+      }
+      GrowOptions options{.growth = Growth::nearest, .regrowIsolated = false, .walls = {ways}};
+      const std::vector<Labels> plain = grow(blocks, sets, device(), options);
+      options.keepCost = true;
+      const std::vector<Labels> both = grow(blocks, sets, device(), options);
+      EXPECT_EQ(plain[0].fragment, both[0].fragment) << solid.name;
+      EXPECT_EQ(plain[1].fragment, both[1].fragment) << solid.name;
+      EXPECT_EQ(both[1].walls, nullptr);
+      EXPECT_EQ(reference::mapOf(both[1]),
+                labelsOf(reference::nearest(solid, sets[1], Metric::euclidean)));
+      if (both[0].walls == nullptr) continue;  // two seeds have one middle
+      ++compared;
+      const std::vector<Seed>& settled = both[0].sites.seeds;
+      const auto reference = reference::nearestInWalls(solid, settled, wayOf);
+      EXPECT_EQ(reference::mapOf(both[0]), labelsOf(reference)) << solid.name;
+      expectCosts(solid, both[0], reference);
+      for (const Seed& seed : settled) EXPECT_EQ(reference.at(seed.voxel).label, seed.fragment);
+    }
+  }
+  EXPECT_EQ(compared, 2 * static_cast<int>(voxel_shapes::all().size()));
+}
+
+TEST_F(Growths, SeedsWithOneMiddleGrowWithoutWalls) {
+  const VoxelSolid solid = voxel_shapes::ball(5);
+  const auto blocks = voxel_shapes::blocksOf(solid);
+  const std::vector<std::vector<Seed>> sets{{{{0, 0, -1}, 1}, {{0, 0, 1}, 2}}};
+  std::vector<std::int16_t> ways(blocks->count() * 512 * 3, 0);
+  for (const Seed& seed : sets[0]) {
+    ways[3 * voxel_shapes::voxelIndexOf(*blocks, seed.voxel) + 2] =
+        static_cast<std::int16_t>(-kSeedSteps * seed.voxel.z());
+  }
+  const Labels expected = grow(blocks, sets, device(), {.growth = Growth::euclid}).front();
+  const GrowOptions options{.growth = Growth::euclid,
+                            .walls = {std::make_shared<const WallMiddles>(blocks, ways)}};
+  const Labels labels = grow(blocks, sets, device(), options).front();
+  EXPECT_EQ(labels.walls, nullptr);
+  EXPECT_EQ(labels.fragment, expected.fragment);
+  EXPECT_THROW((void)grow(voxel_shapes::blocksOf(voxel_shapes::ball(15)), sets, device(), options),
+               Error);
 }
 
 TEST_F(Growths, EqualWeightsChangeNothing) {
@@ -341,9 +398,13 @@ TEST_F(Growths, FracturesThatExceedTheLargestBufferGrowInBatches) {
   const std::size_t perFracture = blocks->count() * 512 * sizeof(std::uint32_t);
   Device small(device().info().name);
   for (const Growth growth : {Growth::flood, Growth::euclid}) {
-    const GrowOptions options{
+    GrowOptions options{
         .growth = growth, .roughness = 1.0, .noiseSeeds = {11, 22, 33}, .keepCost = true};
+    const Labels withoutWalls = grow(blocks, sets, device(), options).front();
+    const auto ways = randomWays(blocks);
+    options.walls = {ways, nullptr, ways};
     const std::vector<Labels> together = grow(blocks, sets, device(), options);
+    EXPECT_EQ(together[0].fragment != withoutWalls.fragment, growth == Growth::euclid);
     implOf(small).info.largestBufferBytes = 2 * perFracture + 1;
     const std::vector<Labels> inBatches = grow(blocks, sets, small, options);
     ASSERT_EQ(inBatches.size(), sets.size());

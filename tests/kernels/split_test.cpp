@@ -12,6 +12,7 @@
 #include "grow/sequential.h"
 #include "grow/split_nodes.h"
 #include "grow_reference.h"
+#include "random_ways.h"
 
 namespace sherd {
 namespace {
@@ -182,16 +183,6 @@ TEST_F(Splits, LabelsOfABallAndACupAreThoseOfTheRecordedSplits) {
                 labelsBy(grown.labels.splits, solid, grown.labels))
         << solid.name;
   }
-}
-
-// Ways in all directions, up to three voxels long.
-std::shared_ptr<const WallMiddles> randomWays(const std::shared_ptr<const LeafBlocks>& blocks) {
-  std::mt19937 random(11);
-  std::vector<std::int16_t> ways(blocks->count() * 512 * 3);
-  for (std::int16_t& way : ways) {
-    way = static_cast<std::int16_t>(static_cast<int>(random() % 385) - 192);
-  }
-  return std::make_shared<const WallMiddles>(blocks, std::move(ways));
 }
 
 // An impact with three rings about the lowest voxel along x.
