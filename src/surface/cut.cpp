@@ -324,7 +324,7 @@ Cut findCut(const Labels& labels, std::span<const LeafNeighbors> neighborhoods, 
   const std::vector<std::uint32_t> leafLabel = leafLabels(labels);
   std::vector<std::array<std::uint32_t, 6>> layers;
   if (extent == CutExtent::cells) layers = mixedLayers(labels, leafLabel);
-  const Sites sites(labels.sites);
+  const Sites sites(labels.sites, labels.walls);
   const SplitTree splits(labels.splits, labels.cracks, labels.walls);
   std::vector<CutLeaf> perLeaf(blocks.count());
   Cut cut;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "grow/metric.h"
 #include "surface/cut_of_leaf.h"
@@ -19,11 +20,16 @@ std::vector<Sites::Site> nearLeaf(std::span<const Sites::Site> sites, const open
                                   const Sites& all) {
   std::vector<Sites::Site> near(sites.begin(), sites.end());
   if (near.size() < 2) return near;
-  // Corners are the voxels of the halo farthest from its middle.
+  // Corners are the voxels of the halo farthest from its middle, or farther than their points.
   const glm::dvec3 middle(all.stretched(origin + openvdb::Coord(4)));
+  const int way = all.walls() == nullptr
+                      ? 0
+                      : (all.walls()->reach() + WallMiddles::kSteps - 1) / WallMiddles::kSteps;
   double reach = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
-    const auto end = [&](int bit) { return (corner & bit) != 0 ? 7 + kCutHalo : -kCutHalo; };
+    const auto end = [&](int bit) {
+      return (corner & bit) != 0 ? 7 + kCutHalo + way : -kCutHalo - way;
+    };
     const openvdb::Coord at = origin + openvdb::Coord(end(4), end(2), end(1));
     reach = std::max(reach, glm::length(glm::dvec3(all.stretched(at)) - middle));
   }
@@ -43,7 +49,8 @@ std::vector<Sites::Site> nearLeaf(std::span<const Sites::Site> sites, const open
 
 }  // namespace
 
-Sites::Sites(const VoronoiSites& sites) {
+Sites::Sites(const VoronoiSites& sites, std::shared_ptr<const WallMiddles> walls)
+    : walls_(std::move(walls)) {
   if (sites.seeds.empty()) return;
   metric_ = metricFor(Metric::euclidean, sites.anisotropy);
   std::vector<Seed> seeds = sites.seeds;
@@ -60,6 +67,10 @@ Sites::Sites(const VoronoiSites& sites) {
 
 glm::i64vec3 Sites::stretched(const openvdb::Coord& voxel) const {
   return sherd::stretched(metric_, stepsOf(Seed{voxel}));
+}
+
+glm::i64vec3 Sites::stretchedSteps(const glm::i64vec3& steps) const {
+  return sherd::stretched(metric_, steps);
 }
 
 std::span<const Sites::Site> Sites::of(std::uint16_t fragment) const {
@@ -117,6 +128,24 @@ NearestInRow nearestInRow(std::span<const Sites::Site> sites, const glm::i64vec3
 
 std::int64_t squared(const glm::i64vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
+// The same of points that do not lie in a row.
+//   points  [kCutSide] stretched, those of the range
+NearestInRow nearestTo(std::span<const Sites::Site> sites, std::span<const glm::i64vec3> points,
+                       const std::array<std::size_t, 2>& voxels) {
+  NearestInRow nearest;
+  nearest.squared.fill(kFar);
+  nearest.site.fill(0);
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    for (std::size_t z = voxels[0]; z < voxels[1]; ++z) {
+      const std::int64_t d = squared(points[z] - sites[i].stretched) - sites[i].weight;
+      if (d >= nearest.squared[z]) continue;
+      nearest.squared[z] = d;
+      nearest.site[z] = i;
+    }
+  }
+  return nearest;
+}
+
 // Number of rivals sorted at first; more are rarely needed.
 constexpr std::size_t kRivals = 32;
 
@@ -133,7 +162,8 @@ class SitesOfLeaf {
         origin_(origin),
         low_(sites.stretched(origin - openvdb::Coord(kCutHalo))),
         steps_{sites.stretched({1, 0, 0}), sites.stretched({0, 1, 0}), sites.stretched({0, 0, 1})},
-        nearest_(fragments.size()) {
+        nearest_(fragments.size()),
+        ways_(sites.walls(), origin) {
     for (const std::uint16_t fragment : fragments) {
       sites_.push_back(nearLeaf(sites.of(fragment), origin, sites));
     }
@@ -148,10 +178,11 @@ class SitesOfLeaf {
   void setRow(std::size_t x, std::size_t y, const std::array<std::size_t, 2>& voxels) {
     const glm::i64vec3 low =
         low_ + static_cast<std::int64_t>(x) * steps_[0] + static_cast<std::int64_t>(y) * steps_[1];
-    row_ = {x, y};
     least_.fill(kFar);
+    setPoints(x, y, voxels);
     for (std::size_t k = 0; k < sites_.size(); ++k) {
-      nearest_[k] = nearestInRow(sites_[k], low, steps_[2], voxels);
+      nearest_[k] = all_.walls() == nullptr ? nearestInRow(sites_[k], low, steps_[2], voxels)
+                                            : nearestTo(sites_[k], stretched_, voxels);
       for (std::size_t z = 0; z < kCutSide; ++z) {
         least_[z] = std::min(least_[z], nearest_[k].squared[z]);
       }
@@ -175,10 +206,7 @@ class SitesOfLeaf {
   // together.  But a voxel's distance beyond a plane is at most its distance from the site minus
   // the plane's, so planes far from the site are skipped.
   float toCut(std::size_t k, std::size_t z) {
-    const glm::dvec3 voxel(origin_.x() + static_cast<int>(row_[0]) - kCutHalo,
-                           origin_.y() + static_cast<int>(row_[1]) - kCutHalo,
-                           origin_.z() + static_cast<int>(z) - kCutHalo);
-    const double away = glm::length(voxel - sites_[k][nearest_[k].site[z]].point);
+    const double away = glm::length(points_[z] - sites_[k][nearest_[k].site[z]].point);
     double d = -3.0;
     for (std::size_t i = 0;; ++i) {
       if (i + 1 == withSites_) break;
@@ -197,6 +225,18 @@ class SitesOfLeaf {
   std::uint64_t planes() const { return planes_; }
 
  private:
+  // Sets the points at which the voxels of a row are compared with sites.
+  void setPoints(std::size_t x, std::size_t y, const std::array<std::size_t, 2>& voxels) {
+    for (std::size_t z = voxels[0]; z < voxels[1]; ++z) {
+      const openvdb::Coord voxel =
+          origin_ + openvdb::Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)) -
+          openvdb::Coord(kCutHalo);
+      const glm::i64vec3 at = ways_.middleAt(voxel);
+      points_[z] = glm::dvec3(at) / static_cast<double>(WallMiddles::kSteps);
+      if (all_.walls() != nullptr) stretched_[z] = all_.stretchedSteps(at);
+    }
+  }
+
   // Another fragment, with the cached slope between the nearest sites of both: adjacent voxels
   // mostly share them.
   struct Rival {
@@ -252,14 +292,16 @@ class SitesOfLeaf {
   openvdb::Coord origin_;
   glm::i64vec3 low_;
   std::array<glm::i64vec3, 3> steps_;
-  std::array<std::size_t, 2> row_{};
-  std::vector<std::vector<Sites::Site>> sites_;  // [fragments]
-  std::size_t withSites_ = 0;                    // number of fragments with sites
-  std::vector<NearestInRow> nearest_;            // [fragments]
+  std::array<glm::dvec3, kCutSide> points_{};       // of the row's voxels
+  std::array<glm::i64vec3, kCutSide> stretched_{};  // the same, in walls
+  std::vector<std::vector<Sites::Site>> sites_;     // [fragments]
+  std::size_t withSites_ = 0;                       // number of fragments with sites
+  std::vector<NearestInRow> nearest_;               // [fragments]
   std::array<std::int64_t, kCutSide> least_{};
   std::vector<std::vector<Rival>> rivals_;  // [fragments] by plane, the nearest first
   std::uint64_t planes_ = 0;
   std::size_t found_ = 0;  // fragment of the last label
+  WaysAround ways_;
 };
 
 }  // namespace

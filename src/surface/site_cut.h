@@ -6,11 +6,13 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "surface/leaf_labels.h"
 #include "voxel_metric.h"
+#include "voxelize/wall_middles.h"
 
 namespace sherd {
 
@@ -23,12 +25,18 @@ using CutHalo = LabelCube<kCutSide>;
 /// The seeds of each fragment, in the metric of growth.
 class Sites {
  public:
-  explicit Sites(const VoronoiSites& sites);
+  ///   walls  see Labels, may be null
+  explicit Sites(const VoronoiSites& sites, std::shared_ptr<const WallMiddles> walls = nullptr);
 
   bool empty() const { return first_.empty(); }
 
   /// Returns a position or difference of voxels, transformed by the anisotropy, in steps of seeds.
   glm::i64vec3 stretched(const openvdb::Coord& voxel) const;
+  /// The same of a position in steps of seeds.
+  glm::i64vec3 stretchedSteps(const glm::i64vec3& steps) const;
+
+  /// Returns the middle of walls, or null.
+  const WallMiddles* walls() const { return walls_.get(); }
 
   /// A seed.
   struct Site {
@@ -48,6 +56,7 @@ class Sites {
   sherd_metric metric_{};
   std::vector<std::uint32_t> first_;  // [ids+2] into sites_, or empty
   std::vector<Site> sites_;
+  std::shared_ptr<const WallMiddles> walls_;
 };
 
 /// A bit for each voxel of a leaf: [x*8+y] bit z.
@@ -69,7 +78,8 @@ struct SiteCutWork {
 
 /// Returns distances to the planes that bound each fragment's cell: inside it to the nearest plane,
 /// outside to the plane that the voxel is farthest beyond.  Only planes near a site matter (see
-/// SitesOfLeaf::toCut), so the cost of a leaf of many small cells is linear in their number.
+/// SitesOfLeaf::toCut), so the cost of a leaf of many small cells is linear in their number.  In
+/// thin walls distances are those of the middle of the wall at a voxel, see Labels::walls.
 ///   halo       labels of inside voxels, else 0
 ///   origin     the leaf's lowest voxel
 ///   fragments  [n] ascending, to compute distances for

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "base/random.h"
@@ -121,6 +124,95 @@ TEST(SiteCut, PlanesMoveByTheWeights) {
       EXPECT_NEAR(cut.distance[k * 512 + static_cast<std::size_t>(v)], std::min(most, 3.0), 1e-6);
     }
   }
+}
+
+// A leaf and those around it, all inside, by x, y, z.
+std::shared_ptr<const LeafBlocks> blocksAround() {
+  auto blocks = std::make_shared<LeafBlocks>();
+  for (int i = 0; i < 27; ++i) {
+    blocks->origins.emplace_back(8 * (i / 9 - 1), 8 * (i / 3 % 3 - 1), 8 * (i % 3 - 1));
+  }
+  blocks->inside.assign(std::size_t{27} * 8, ~std::uint64_t{0});
+  return blocks;
+}
+
+// The cut of sites in walls, voxel by voxel, against brute force.
+//   fragments  1, 2, ... of the sites
+void expectCutInWalls(const VoronoiSites& voronoi, std::span<const std::uint16_t> fragments,
+                      const std::shared_ptr<const WallMiddles>& walls) {
+  const auto middleAt = [&](int x, int y, int z) {
+    return glm::dvec3(WaysAround(walls.get(), {0, 0, 0}).middleAt({x, y, z})) / 64.0;
+  };
+  const auto nearestOf = [&](const glm::dvec3& p, std::uint16_t fragment) {
+    const Seed* best = nullptr;
+    double least = 1e300;
+    for (const Seed& seed : voronoi.seeds) {
+      const glm::dvec3 d = p - pointOf(seed);
+      if (seed.fragment != fragment || glm::dot(d, d) >= least) continue;
+      least = glm::dot(d, d);
+      best = &seed;
+    }
+    return std::pair(least, pointOf(*best));
+  };
+  CutHalo halo{};
+  for (std::size_t v = 0; v < halo.size(); ++v) {
+    const auto at = [&](std::size_t i) { return static_cast<int>(i % kCutSide) - kCutHalo; };
+    const glm::dvec3 p = middleAt(at(v / kCutSide / kCutSide), at(v / kCutSide), at(v));
+    halo[v] = fragments.front();
+    for (const std::uint16_t own : fragments) {
+      if (nearestOf(p, own).first < nearestOf(p, halo[v]).first) halo[v] = own;
+    }
+  }
+  VoxelBits all;
+  all.fill(0xff);
+  const SiteCut cut = siteCut(halo, {0, 0, 0}, fragments, Sites(voronoi, walls), all);
+  EXPECT_EQ(cut.holds, all);
+  for (int v = 0; v < 512; ++v) {
+    const glm::dvec3 p = middleAt(v / 64, v / 8 % 8, v % 8);
+    for (std::size_t k = 0; k < fragments.size(); ++k) {
+      const auto [own, from] = nearestOf(p, fragments[k]);
+      double most = -3.0;
+      for (const std::uint16_t other : fragments) {
+        if (other == fragments[k]) continue;
+        const auto [squared, to] = nearestOf(p, other);
+        most = std::max(most, (own - squared) / (2.0 * glm::length(to - from)));
+      }
+      EXPECT_NEAR(cut.distance[k * 512 + static_cast<std::size_t>(v)], std::min(most, 3.0), 1e-5);
+    }
+  }
+}
+
+// In a wall across x every point is at its middle: the crack is the same at every x.
+TEST(SiteCut, WallsBendPlanes) {
+  const auto blocks = blocksAround();
+  std::vector<std::int16_t> ways(std::size_t{27} * 512 * 3, 0);
+  for (std::size_t v = 0; v < std::size_t{27} * 512; ++v) {
+    ways[3 * v] = static_cast<std::int16_t>(64 * (3 - blocks->voxelAt(v).x()));
+  }
+  VoronoiSites voronoi;
+  voronoi.seeds = {{{3, 1, 2}, 1, {-20, 0, 0}}, {{3, 6, 4}, 2, {20, 0, 0}}};
+  expectCutInWalls(voronoi, std::vector<std::uint16_t>{1, 2},
+                   std::make_shared<const WallMiddles>(blocks, ways));
+}
+
+// Several sites of each fragment, some near the leaf only by the ways of its voxels.
+TEST(SiteCut, WaysMayLeadFarAway) {
+  const auto blocks = blocksAround();
+  const auto drawn = [](std::uint64_t i, int most) {
+    return static_cast<int>(randomBits(7, Stage::noise, i) % static_cast<unsigned>(2 * most + 1)) -
+           most;
+  };
+  std::vector<std::int16_t> ways;
+  for (std::uint64_t i = 0; i < 27 * 512 * 3; ++i) {
+    ways.push_back(static_cast<std::int16_t>(drawn(i, 64 * 12)));
+  }
+  VoronoiSites voronoi;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    const auto at = [&](std::uint64_t axis) { return drawn(100000 + 3 * i + axis, 14); };
+    voronoi.seeds.push_back({{at(0), at(1), at(2)}, static_cast<std::uint16_t>(1 + i % 5)});
+  }
+  expectCutInWalls(voronoi, std::vector<std::uint16_t>{1, 2, 3, 4, 5},
+                   std::make_shared<const WallMiddles>(blocks, ways));
 }
 
 // Sites on a lattice, each moved by less than a voxel, numbered from 1; and their fragments.
