@@ -77,16 +77,28 @@ std::vector<Rule> solidRules() {
   };
 }
 
-std::vector<Rule> seedRules() {
+std::vector<Rule> givenSeedRules() {
   return {
-      {{"sampler", "seeds-on", "extra-seeds", "merge-metric", "size-spread", "impact", "impacts"},
+      {{"sampler", "extra-seeds", "merge-metric", "size-spread", "impact", "impacts"},
        Verdict::conflict,
        [](O o, U) { return o.fracture.seeds.given.has_value(); },
        "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
+      {{"seeds-on"},
+       Verdict::conflict,
+       [](O o, U) {
+         return o.fracture.seeds.given.has_value() && o.fracture.seeds.on == SeedsOn::surface;
+       },
+       "surface applies to seeds that are drawn, and {seeds} reads them from a file; omit it, or "
+       "choose volume, by which such seeds grow as they did"},
       {{"density-attribute"},
        Verdict::conflict,
        [](O o, U) { return o.fracture.seeds.given.has_value(); },
        "applies to seeds that are drawn, and {seeds} reads them from a file; omit one of them"},
+  };
+}
+
+std::vector<Rule> seedRules() {
+  return {
       {{"density-attribute"},
        Verdict::conflict,
        [](O o, U) {
@@ -203,10 +215,9 @@ std::vector<Rule> sizeRules() {
       {{"sizes"},
        Verdict::conflict,
        [](O o, U) {
-         const GrowthRule& rule = ruleOf(o.fracture.grow.growth);
-         const bool hasCells = rule.givesVoronoiCells &&
-                               (!rule.usesMetric || o.fracture.grow.metric == Metric::euclidean);
-         return o.fracture.shares.sizes != Sizes::grown && !hasCells && !rule.splits;
+         const GrowOptions& grow = o.fracture.grow;
+         return o.fracture.shares.sizes != Sizes::grown && !givesCells(grow) &&
+                !ruleOf(grow.growth).splits;
        },
        "cannot be met by {growth} flood or chain, nor by another {metric} than the Euclidean; use "
        "{growth} euclid, nearest or sequential",
@@ -384,9 +395,9 @@ std::vector<Rule> pointRules() {
 }
 
 const std::vector<Rule>& rules() {
-  static const std::vector<Rule> kRules =
-      joined({solidRules(), seedRules(), growthRules(), sizeRules(), erosionRules(), surfaceRules(),
-              formatRules(), usdRules(), writeRules(), pointRules()});
+  static const std::vector<Rule> kRules = joined(
+      {solidRules(), givenSeedRules(), seedRules(), growthRules(), sizeRules(), erosionRules(),
+       surfaceRules(), formatRules(), usdRules(), writeRules(), pointRules()});
   return kRules;
 }
 

@@ -178,13 +178,13 @@ const Row kSeedRows[]{
      .details =
          "where seeds are drawn: anywhere inside; at most 1/256 of the longest side "
          "below the surface; or anywhere, and moved to the middle of walls that are thinner "
-         "than a cube of a piece's volume, so that cracks cross them nearly at right angles. "
+         "than a cube of a piece's volume. With `wall` cracks by `--growth euclid`, `nearest` and "
+         "`sequential` pass straight through thin walls, those between seeds of a file too. "
          "`auto`: `wall` where three quarters of the solid are such walls, else `volume`; the "
          "manifest has the one that was used. With `--growth sequential`, which has no "
-         "seeds, cracks pass straight through thin walls with `wall`, are rotated into "
-         "walls with `auto` in other solids, and ignore walls with `volume`",
+         "seeds, cracks are rotated into walls with `auto` in other solids, and ignore walls with "
+         "`volume`",
      .key = "seeds.on",
-     .recorded = drawsSeeds,
      .drawn = true},
     {.name = "extra-seeds",
      .group = "Seeds",

@@ -12,6 +12,7 @@
 #include "grow/guide_sides.h"
 #include "grow/sequential.h"
 #include "pipeline/guide_surfaces.h"
+#include "seed/distinct_middles.h"
 #include "seed/fragment_ids.h"
 #include "seed/leaf_densities.h"
 #include "seed/split_impacts.h"
@@ -109,8 +110,9 @@ void checkOptions(const FractureOptions& options) {
   }
   const SeedOptions none;
   if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
-      options.grow.noiseSeeds.empty() && options.grow.longestSideVoxels == 0.0 &&
-      options.erode.longestSideVoxels == 0.0 && options.erode.seed == 0) {
+      options.grow.noiseSeeds.empty() && options.grow.walls.empty() &&
+      options.grow.longestSideVoxels == 0.0 && options.erode.longestSideVoxels == 0.0 &&
+      options.erode.seed == 0) {
     return;
   }
   throw Error(ErrorCode::usage,
@@ -132,6 +134,15 @@ SeedsOn seedsOnFor(const FractureOptions& options, const Solid& solid, std::size
   const SeedsOn on = resolved(options.seeds.on, solid, fragments);
   const bool isAutomatic = options.seeds.on == SeedsOn::automatic && on != SeedsOn::wall;
   return isAutomatic && ruleOf(options.grow.growth).splits ? SeedsOn::automatic : on;
+}
+
+// Returns the middle of the walls that cells of seeds follow, or null.
+std::shared_ptr<const WallMiddles> middlesFor(const FractureOptions& options, const Solid& solid,
+                                              std::size_t fragments, SolidWalls& walls,
+                                              const Progress* progress) {
+  if (!givesCells(options.grow)) return nullptr;
+  const bool isWall = seedsOnFor(options, solid, fragments) == SeedsOn::wall;
+  return isWall ? walls.middles(progress) : nullptr;
 }
 
 GuideSides sidesOf(std::span<const Guide> guides, const Solid& solid, const Progress* progress) {
@@ -162,17 +173,23 @@ SequentialFracture sequentialOf(const FractureOptions& options, const Solid& sol
 
 SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
-                     Device& device, const Progress* progress) {
+                     Device& device, const Progress* progress, SolidWalls* walls) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
   grow.longestSideVoxels = longestSideVoxels(solid);
+  SolidWalls own(solid);
+  SolidWalls& used = walls != nullptr ? *walls : own;
   if (ruleOf(grow.growth).splits) {
     const SequentialFracture fracture = sequentialOf(options, solid, components, seed);
-    SolidWalls walls(solid);
-    return std::move(growSequential(solid, walls, components, std::span(&fracture, 1), device, grow,
+    return std::move(growSequential(solid, used, components, std::span(&fracture, 1), device, grow,
                                     options.shares, sidesOf(options.guides, solid, progress),
                                     progress)
                          .front());
+  }
+  const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds));
+  grow.walls = {middlesFor(options, solid, fragments, used, progress)};
+  if (grow.walls.front()) {
+    seeds = withDistinctMiddles(std::move(seeds), *solid.blocks, *grow.walls.front());
   }
   return growWithShares(solid, components, std::move(seeds), device,
                         {grow, options.shares, seed, options.seeds.density.field.get()}, progress);
@@ -207,6 +224,8 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options,
   }
   if (given) {
     result.seeds = seedsAt(*given, ready, options.seed);
+    result.seedsOn =
+        seedsOnFor(options, ready.solid, static_cast<std::size_t>(fragmentsOf(result.seeds)));
   } else if (!splits) {
     SeedOptions seeds = seedOptionsFor(options, options.seed);
     seeds.on = seedsOnFor(options, ready.solid, countFragments(ready.components, options.pieces));
@@ -288,20 +307,28 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   }
   clock.done("seed");
   std::vector<Labels> labels;
+  SolidWalls own(ready.solid);
+  SolidWalls& used = walls != nullptr ? *walls : own;
   if (ruleOf(together.growth).splits) {
-    SolidWalls own(ready.solid);
-    labels = splitTogether(ready, all, options, together, walls != nullptr ? *walls : own, device,
-                           progress);
+    labels = splitTogether(ready, all, options, together, used, device, progress);
   } else if (options.front()
                  .shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
-      SeededLabels own = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
-                                 options[i].seed, device, progress);
-      all[i].result.seeds = std::move(own.seeds);
-      all[i].result.sizeError = own.sizeError;
-      labels.push_back(std::move(own.labels));
+      SeededLabels one = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
+                                 options[i].seed, device, progress, &used);
+      all[i].result.seeds = std::move(one.seeds);
+      all[i].result.sizeError = one.sizeError;
+      labels.push_back(std::move(one.labels));
     }
   } else {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds[i]));
+      together.walls.push_back(middlesFor(options[i], ready.solid, fragments, used, progress));
+      if (!together.walls.back()) continue;
+      seeds[i] =
+          withDistinctMiddles(std::move(seeds[i]), *ready.solid.blocks, *together.walls.back());
+      all[i].result.seeds = seeds[i];
+    }
     labels = grow(ready.solid.blocks, seeds, device, together, progress);
   }
   clock.done("grow");

@@ -51,9 +51,11 @@ void checkOptions(const FractureOptions& options);
 
 /// Grow by options.grow and options.shares; `seed` determines every random choice.
 ///   seeds  none where growth splits the solid
+///   walls  of the solid, or of one with the same leaves that it is a part of; null: found here
 [[nodiscard]] SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                                    const VoxelComponents& components, std::vector<Seed> seeds,
-                                   std::uint64_t seed, Device& device, const Progress* progress);
+                                   std::uint64_t seed, Device& device, const Progress* progress,
+                                   SolidWalls* walls = nullptr);
 
 /// A fracture after all work on the device.
 struct GrownFracture {

@@ -186,9 +186,8 @@ double bytesForGuides(const Extent& extent, std::size_t triangles, double surfac
 // and 0.41 of the side of a cube of their volume.
 double bytesForWalls(const FractureOptions& options, double surface, double inside) {
   const SeedsOn on = options.seeds.on;
-  if (!ruleOf(options.grow.growth).splits || on == SeedsOn::volume || on == SeedsOn::surface) {
-    return 0.0;
-  }
+  const bool followsWalls = ruleOf(options.grow.growth).splits || givesCells(options.grow);
+  if (!followsWalls || on == SeedsOn::volume || on == SeedsOn::surface) return 0.0;
   constexpr double kThin = 0.25;
   const double ofPiece = 1.0 / std::cbrt(static_cast<double>(std::max(options.pieces, 1)));
   const bool isThin = 2.0 * inside < std::min(kThin, ofPiece) * std::cbrt(inside) * surface;

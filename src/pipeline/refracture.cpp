@@ -11,6 +11,7 @@
 #include "pipeline/guide_surfaces.h"
 #include "pipeline/refracture_meshes.h"
 #include "voxelize/distance.h"
+#include "voxelize/wall_middles.h"
 
 namespace sherd {
 namespace {
@@ -33,8 +34,9 @@ Solid fragmentSolid(const FinishedFracture& finished, int id, bool hasBand) {
   return fragment;
 }
 
+//   walls  of the whole solid
 SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions& options,
-                           Device& device, const Progress* progress) {
+                           SolidWalls& walls, Device& device, const Progress* progress) {
   const std::uint64_t seed =
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
   const VoxelComponents components = findComponents(*fragment.blocks, device);
@@ -46,7 +48,9 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
   if (own.grow.roughnessWindow.isZero()) {  // a tenth of the fragment, not of the whole mesh
     own.grow.roughnessWindow = fragment.box.longestSide() / 10.0;
   }
-  return growFor(own, fragment, components, std::move(seeds), seed, device, progress);
+  // Splits follow the fragment's own surface, old cracks included.
+  SolidWalls* const used = ruleOf(options.grow.growth).splits ? nullptr : &walls;
+  return growFor(own, fragment, components, std::move(seeds), seed, device, progress, used);
 }
 
 // The splits of all broken fragments: a guide does something if it divides one of them.
@@ -99,9 +103,10 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
   const bool isExact = options.surface.surface == Surface::exact;
   std::vector<BrokenFragment> parts;
   GuidedSplits guided;
+  SolidWalls walls(finished.solid);
   for (const int id : broken) {
     Solid fragment = fragmentSolid(finished, id, isExact);
-    SeededLabels grown = breakFragment(fragment, id, options, device, progress);
+    SeededLabels grown = breakFragment(fragment, id, options, walls, device, progress);
     guided.add(grown);
     const std::size_t first = result.parents.size();
     result.parents.insert(result.parents.end(), static_cast<std::size_t>(fragmentsOf(grown.seeds)),

@@ -335,7 +335,7 @@ class Resolution(CommandLine):
         self.assertEqual(found, {"pane.obj": 144, "ball.obj": 128})
 
     def test_short_memory_names_the_one_to_ask_for(self):
-        self.refused(2, self.run_sherd("fracture", self.pane, "-o", self.out, "--max-memory", "210M", "--adaptivity", "0"),
+        self.refused(2, self.run_sherd("fracture", self.pane, "-o", self.out, "--max-memory", "210M", "--adaptivity", "0", "--seeds-on", "volume"),
                      "a resolution of ", "one of 144, which the mesh's walls need,", " may be used (--resolution, --write, --max-memory)\n")
         self.nothing_written()
 

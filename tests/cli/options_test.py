@@ -110,17 +110,34 @@ class Seeds(Options):
         self.assertEqual(manifest["options"]["seeds"]["random_impacts"], 3)
         self.assertEqual(len(self.seeds(manifest)), 12)
 
-    def test_seeds_of_a_file_grow_the_same_again(self):
-        first = self.labels("--extra-seeds", "2n", pieces=5)
-        seeds = os.path.join(self.out, "seeds.json")
-        again = self.path("again")
-        result = self.run_sherd("fracture", self.ball, "-o", again, "--resolution", "32", "--seeds", seeds)
+    def grown_again(self, seeds, name, *options, mesh=None):
+        """The labels of a file of seeds, and the options of the manifest."""
+        again = self.path(name)
+        result = self.run_sherd("fracture", mesh or self.ball, "-o", again, "--resolution", "32", "--seeds", seeds, *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(os.path.join(again, "labels.rle"), "rb") as file:
-            self.assertEqual(file.read(), first)
-        with open(os.path.join(again, "manifest.json")) as file:
-            options = json.load(file)["options"]
-        self.assertEqual((options["pieces"], options["seeds"]), (5, {"file": "seeds.json"}))
+            return file.read(), self.manifest(again)["options"]
+
+    def test_seeds_of_a_file_grow_the_same_again(self):
+        first = self.labels("--extra-seeds", "2n", pieces=5)
+        labels, options = self.grown_again(os.path.join(self.out, "seeds.json"), "again")
+        self.assertEqual(labels, first)
+        self.assertEqual((options["pieces"], options["seeds"]), (5, {"file": "seeds.json", "on": "volume"}))
+
+    def test_seeds_of_a_file_grow_the_same_again_in_walls(self):
+        """A hollow ball, whose seeds lie in the middle of its wall, and voxels are compared there."""
+        shell = self.path("shell.obj")
+        outer, inner = sphere(16, 24), sphere(16, 24, radius=0.8)
+        write_obj(shell, (outer[0] + inner[0], outer[1] + [tuple(v + len(outer[0]) for v in reversed(f)) for f in inner[1]]))
+        self.done("--write", "labels,seeds", mesh=shell, pieces=9)
+        with open(os.path.join(self.out, "labels.rle"), "rb") as file:
+            first = file.read()
+        seeds = os.path.join(self.out, "seeds.json")
+        labels, options = self.grown_again(seeds, "again", mesh=shell)
+        self.assertEqual(labels, first)
+        self.assertEqual(options["seeds"]["on"], "wall")
+        self.assertEqual(self.grown_again(seeds, "wall", "--seeds-on", "wall", mesh=shell)[0], first)
+        self.assertNotEqual(self.grown_again(seeds, "volume", "--seeds-on", "volume", mesh=shell)[0], first)
 
     def test_hostile_files_of_seeds(self):
         def listed(*seeds):

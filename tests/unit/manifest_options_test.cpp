@@ -133,8 +133,8 @@ TEST_F(ManifestOptions, OfSizesAndEnergiesAreRecorded) {
 
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, split, roughness, hurst, roughnessWindow,
-         propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, keepCost,
-         outerSteps, tuning] = options_.grow;
+         propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, walls,
+         keepCost, outerSteps, tuning] = options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
   expectRecorded("material", options_.material, MaterialPreset::stone);
   expectRecorded("roughness", roughness, Length(2.0));
