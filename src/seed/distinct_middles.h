@@ -10,7 +10,7 @@
 namespace sherd {
 
 /// Returns seeds of which no two of different fragments have voxels with the same middle of the
-/// wall, where growth could not tell them apart.  So it happens with voxels on both sides of a
+/// wall, which growth cannot distinguish.  So it happens with voxels on both sides of a
 /// middle that lies between voxels.  The later seed moves to the center of a voxel near it that is
 /// connected over faces; it stays if there is none within a few voxels.
 ///   blocks  of the solid
