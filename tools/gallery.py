@@ -137,7 +137,7 @@ CHAPTERS = [
               "A flood follows the neck and the handle; the distance to the nearest seed crosses gaps.",
               "amphora.ply", "--pieces 6 --seed 3", [
                   ("flood", "--growth flood", "cracks where fronts meet, curved and stepped"),
-                  ("euclid", "--growth euclid", "cracks in planes through the whole vessel")], 2),
+                  ("euclid", "--growth euclid", "cracks along planes through the whole vessel")], 2),
         Group("neighborhood", "--neighborhood", "Neighbors of a voxel in a flood.", "plate.obj",
               "--pieces 6 --seed 3 --growth flood", [
                   ("6", "--neighborhood 6", "6 faces (von Neumann): fronts are octahedra"),
