@@ -135,7 +135,7 @@ inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const globa
   }
   int4 low, high;
   point_box(mask, origin, way, &low, &high);
-  seeds.center = low + (high - low) / 2;
+  seeds.center = low + ((high - low) >> 1);
   seeds.reach = high - seeds.center;
   long nearest = LONG_MAX;
   for (uint s = first; s < last; ++s) {

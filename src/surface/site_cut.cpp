@@ -178,8 +178,10 @@ class SitesOfLeaf {
   void setRow(std::size_t x, std::size_t y, const std::array<std::size_t, 2>& voxels) {
     const glm::i64vec3 low =
         low_ + static_cast<std::int64_t>(x) * steps_[0] + static_cast<std::int64_t>(y) * steps_[1];
+    row_ = origin_ + openvdb::Coord(static_cast<int>(x), static_cast<int>(y), 0) -
+           openvdb::Coord(kCutHalo);
     least_.fill(kFar);
-    setPoints(x, y, voxels);
+    if (all_.walls() != nullptr) setMiddles(voxels);
     for (std::size_t k = 0; k < sites_.size(); ++k) {
       nearest_[k] = all_.walls() == nullptr ? nearestInRow(sites_[k], low, steps_[2], voxels)
                                             : nearestTo(sites_[k], stretched_, voxels);
@@ -206,7 +208,7 @@ class SitesOfLeaf {
   // together.  But a voxel's distance beyond a plane is at most its distance from the site minus
   // the plane's, so planes far from the site are skipped.
   float toCut(std::size_t k, std::size_t z) {
-    const double away = glm::length(points_[z] - sites_[k][nearest_[k].site[z]].point);
+    const double away = glm::length(pointAt(z) - sites_[k][nearest_[k].site[z]].point);
     double d = -3.0;
     for (std::size_t i = 0;; ++i) {
       if (i + 1 == withSites_) break;
@@ -225,15 +227,18 @@ class SitesOfLeaf {
   std::uint64_t planes() const { return planes_; }
 
  private:
-  // Sets the points at which the voxels of a row are compared with sites.
-  void setPoints(std::size_t x, std::size_t y, const std::array<std::size_t, 2>& voxels) {
+  // Returns the point at which a voxel of the row is compared with sites.
+  glm::dvec3 pointAt(std::size_t z) const {
+    if (all_.walls() != nullptr) return middles_[z];
+    return {row_.x(), row_.y(), row_.z() + static_cast<int>(z)};
+  }
+
+  // Sets the middles of the wall at the voxels of the row.
+  void setMiddles(const std::array<std::size_t, 2>& voxels) {
     for (std::size_t z = voxels[0]; z < voxels[1]; ++z) {
-      const openvdb::Coord voxel =
-          origin_ + openvdb::Coord(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)) -
-          openvdb::Coord(kCutHalo);
-      const glm::i64vec3 at = ways_.middleAt(voxel);
-      points_[z] = glm::dvec3(at) / static_cast<double>(WallMiddles::kSteps);
-      if (all_.walls() != nullptr) stretched_[z] = all_.stretchedSteps(at);
+      const glm::i64vec3 at = ways_.middleAt(row_ + openvdb::Coord(0, 0, static_cast<int>(z)));
+      middles_[z] = glm::dvec3(at) / static_cast<double>(WallMiddles::kSteps);
+      stretched_[z] = all_.stretchedSteps(at);
     }
   }
 
@@ -292,8 +297,9 @@ class SitesOfLeaf {
   openvdb::Coord origin_;
   glm::i64vec3 low_;
   std::array<glm::i64vec3, 3> steps_;
-  std::array<glm::dvec3, kCutSide> points_{};       // of the row's voxels
-  std::array<glm::i64vec3, kCutSide> stretched_{};  // the same, in walls
+  openvdb::Coord row_;                              // its first voxel
+  std::array<glm::dvec3, kCutSide> middles_{};      // in walls, of the row's voxels
+  std::array<glm::i64vec3, kCutSide> stretched_{};  // the same
   std::vector<std::vector<Sites::Site>> sites_;     // [fragments]
   std::size_t withSites_ = 0;                       // number of fragments with sites
   std::vector<NearestInRow> nearest_;               // [fragments]
