@@ -58,8 +58,8 @@ struct Seed {
   openvdb::Coord voxel;        ///< an inside voxel, which belongs to the fragment
   std::uint16_t fragment = 0;  ///< 1..kMaxFragments
   glm::ivec3 shift{0};         ///< of the point from the voxel's center, 1/kSeedSteps voxel, within
-                        ///< kMostShift, but in thin walls in VoronoiSites.  Distances of growths by
-                        ///< nearest seed are to the point
+                        ///< kMostShift (in VoronoiSites of thin walls beyond it).  Distances of
+                        ///< growths by nearest seed are to the point
   std::int64_t weight = 0;  ///< subtracted from the squared distance to the point, which is in
                             ///< (1/kSeedSteps voxel)^2, so that cells differ in size
   bool operator==(const Seed&) const = default;

@@ -73,9 +73,7 @@ std::vector<glm::ivec3> centersOf(std::span<const Seed> seeds, const WallMiddles
   for (std::size_t i = 0; i < seeds.size() && walls != nullptr; ++i) {
     const std::uint32_t leaf = findLeaf(walls->blocks(), seeds[i].voxel);
     if (leaf == LeafBlocks::kNone) continue;
-    const std::size_t first = 3 * (std::size_t{leaf} * 512 + offsetFromCoord(seeds[i].voxel));
-    for (int axis = 0; axis < 3; ++axis)
-      centers[i][axis] = walls->ways()[first + static_cast<std::size_t>(axis)];
+    centers[i] = walls->wayAt(std::size_t{leaf} * 512 + offsetFromCoord(seeds[i].voxel));
   }
   return centers;
 }

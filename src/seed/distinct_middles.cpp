@@ -25,12 +25,8 @@ struct Walled {
     if (leaf == LeafBlocks::kNone) return std::nullopt;
     const std::size_t index = std::size_t{leaf} * 512 + offsetFromCoord(voxel);
     if (!blocks.isInside(index)) return std::nullopt;
-    Middle middle;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      middle[axis] = std::int64_t{WallMiddles::kSteps} * voxel[static_cast<int>(axis)] +
-                     walls.ways()[3 * index + axis];
-    }
-    return middle;
+    const glm::i64vec3 at = stepsOf(Seed{voxel}) + glm::i64vec3(walls.wayAt(index));
+    return Middle{at.x, at.y, at.z};
   }
 };
 

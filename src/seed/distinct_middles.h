@@ -10,9 +10,9 @@
 namespace sherd {
 
 /// Returns seeds of which no two of different fragments have voxels with the same middle of the
-/// wall, which growth cannot distinguish.  So it happens with voxels on both sides of a
-/// middle that lies between voxels.  The later seed moves to the center of a voxel near it that is
-/// connected over faces; it stays if there is none within a few voxels.
+/// wall, which growth cannot distinguish: voxels on both sides of a middle that lies between them.
+/// The later seed moves to the center of a voxel near it that is connected over faces; it stays if
+/// there is none within a few voxels.
 ///   blocks  of the solid
 ///   walls   of blocks with the same leaves
 [[nodiscard]] std::vector<Seed> withDistinctMiddles(std::vector<Seed> seeds,

@@ -144,11 +144,7 @@ glm::i64vec3 WaysAround::middleAt(const openvdb::Coord& voxel) const {
   if (leaf_[k] == LeafBlocks::kNone) return at;
   const auto offset =
       static_cast<std::size_t>((from.x() & 7) << 6 | (from.y() & 7) << 3 | (from.z() & 7));
-  const std::size_t first = 3 * (std::size_t{leaf_[k]} * 512 + offset);
-  for (int axis = 0; axis < 3; ++axis) {
-    at[axis] += walls_->ways()[first + static_cast<std::size_t>(axis)];
-  }
-  return at;
+  return at + glm::i64vec3(walls_->wayAt(std::size_t{leaf_[k]} * 512 + offset));
 }
 
 }  // namespace sherd

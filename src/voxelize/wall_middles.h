@@ -43,6 +43,11 @@ class WallMiddles {
 
   /// [leaves*512*3] ways in 1/64 voxel
   [[nodiscard]] std::span<const std::int16_t> ways() const { return ways_; }
+  /// Returns the way from a voxel, by its index in the leaf blocks.
+  [[nodiscard]] glm::ivec3 wayAt(std::size_t voxelIndex) const {
+    const std::int16_t* const way = &ways_[3 * voxelIndex];
+    return {way[0], way[1], way[2]};
+  }
   /// Returns the longest way along any axis, in 1/64 voxel.
   [[nodiscard]] int reach() const { return reach_; }
   [[nodiscard]] const LeafBlocks& blocks() const { return *blocks_; }
@@ -53,8 +58,8 @@ class WallMiddles {
   int reach_ = 0;
 };
 
-/// What growth has to know of a solid's walls, found when it is first asked for:
-/// fractures of one solid share it.  Use it from one thread.
+/// What growth has to know of a solid's walls, found when it is first asked for: fractures of one
+/// solid share it.  Use it from one thread.
 class SolidWalls {
  public:
   ///   solid  kept by reference
