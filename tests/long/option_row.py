@@ -27,7 +27,7 @@ EDITS = [  # file, where, what is put in front of it
      .drawn = true},
 """),
 ]
-USE = ("src/grow/shares.cpp", "std::ceil(shares.minShare * ", "std::ceil((1.0 - shares.slack) * shares.minShare * ")
+USE = ("src/grow/shares.cpp", "std::ceil(options.minShare * ", "std::ceil((1.0 - options.slack) * options.minShare * ")
 
 
 def run(*command, status=0):
