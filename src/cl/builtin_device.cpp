@@ -101,9 +101,9 @@ class BuiltinDevice : public DeviceImpl {
     std::memcpy(bytesOf(to) + toOffset, bytesOf(from), bytes);
   }
 
-  void view(Allocation& from, std::size_t offset, std::size_t,
-            const std::function<void(const void*)>& use) override {
-    use(bytesOf(from) + offset);
+  void view(Allocation& from, std::size_t offset, std::size_t bytes,
+            const ViewedBytes& use) override {
+    use({bytesOf(from) + offset, bytes});
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <sherd/error.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
@@ -16,6 +17,9 @@
 #include "cl/kernel_launch.h"
 
 namespace sherd {
+
+/// What DeviceImpl::view calls.
+using ViewedBytes = std::function<void(std::span<const std::byte>)>;
 
 /// Commands run in the order in which they are given.  Every function throws Error(device) where
 /// the device fails, and std::bad_alloc where the host has no memory.
@@ -49,9 +53,10 @@ class DeviceImpl {
                     std::size_t bytes) = 0;
   virtual void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) = 0;
 
-  /// Passes memory to `use` that holds the same bytes.  On a CPU it is the buffer itself.
+  /// Passes memory to `use` that holds the same bytes: once, or part after part.  On a CPU it is
+  /// the buffer itself.
   virtual void view(Allocation& from, std::size_t offset, std::size_t bytes,
-                    const std::function<void(const void*)>& use) = 0;
+                    const ViewedBytes& use) = 0;
 
   /// Waits until all commands are done.
   virtual void finish() {}
@@ -94,15 +99,15 @@ DeviceBuffer uploadBuffer(DeviceImpl& device, std::span<const T> data) {
   return buffer;
 }
 
-/// Append `count` elements of a buffer, from `first` on, to `all`: one copy, into memory that is
+/// Appends `count` elements of a buffer, from `first` on, to `all`: one copy, into memory that is
 /// not zeroed first.
 template <class T>
 void append(std::vector<T>& all, DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count,
             std::size_t first = 0) {
   if (count == 0) return;
-  device.view(*buffer, first * sizeof(T), count * sizeof(T), [&](const void* data) {
-    const T* const from = static_cast<const T*>(data);
-    all.insert(all.end(), from, from + count);
+  device.view(*buffer, first * sizeof(T), count * sizeof(T), [&](std::span<const std::byte> part) {
+    const T* const from = reinterpret_cast<const T*>(part.data());
+    all.insert(all.end(), from, from + part.size() / sizeof(T));
   });
 }
 
@@ -110,6 +115,7 @@ template <class T>
 std::vector<T> downloaded(DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count,
                           std::size_t first = 0) {
   std::vector<T> all;
+  all.reserve(count);
   append(all, device, buffer, count, first);
   return all;
 }

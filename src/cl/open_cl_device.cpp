@@ -7,6 +7,8 @@
 namespace sherd {
 namespace {
 
+constexpr std::size_t kStageBytes = std::size_t{1} << 20;
+
 cl::Buffer& bufferOf(Allocation& memory) { return static_cast<OpenClAllocation&>(memory).buffer; }
 
 // Runs `body`; errors of the OpenCL bindings become Error(device).
@@ -36,6 +38,7 @@ OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened, std::string 
   checked(info, "opening the device", [&] {
     context = cl::Context(device);
     queue = cl::CommandQueue(context, device);
+    hasHostMemory = device.getInfo<CL_DEVICE_HOST_UNIFIED_MEMORY>() != 0;
   });
 }
 
@@ -105,14 +108,46 @@ void OpenClDevice::copy(Allocation& from, Allocation& to, std::size_t toOffset, 
           [&] { queue.enqueueCopyBuffer(bufferOf(from), bufferOf(to), 0, toOffset, bytes); });
 }
 
+// Maps bytes of a buffer until the pointer is gone.
+std::shared_ptr<void> OpenClDevice::mapped(const cl::Buffer& buffer, std::size_t offset,
+                                           std::size_t bytes) {
+  void* const data = queue.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, offset, bytes);
+  return {data, [this, buffer](void* held) {
+            ::clEnqueueUnmapMemObject(queue(), buffer(), held, 0, nullptr, nullptr);
+          }};
+}
+
+// One of two pieces of page-locked memory, which a GPU writes at the speed of its bus.
+std::byte* OpenClDevice::stage(std::size_t index) {
+  std::shared_ptr<void>& memory = stages_[index];
+  if (!memory)
+    memory = mapped(cl::Buffer(context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, kStageBytes), 0,
+                    kStageBytes);
+  return static_cast<std::byte*>(memory.get());
+}
+
 void OpenClDevice::view(Allocation& from, std::size_t offset, std::size_t bytes,
-                        const std::function<void(const void*)>& use) {
+                        const ViewedBytes& use) {
   checked(info, "reading a buffer", [&] {
-    void* const mapped =
-        queue.enqueueMapBuffer(bufferOf(from), CL_TRUE, CL_MAP_READ, offset, bytes);
-    const auto unmap = [&](void* held) { queue.enqueueUnmapMemObject(bufferOf(from), held); };
-    const std::unique_ptr<void, decltype(unmap)> held(mapped, unmap);
-    use(mapped);
+    if (hasHostMemory) {
+      use({static_cast<const std::byte*>(mapped(bufferOf(from), offset, bytes).get()), bytes});
+      return;
+    }
+    // The device writes a part while the one before is used.
+    std::array<cl::Event, 2> written;
+    const auto fetch = [&](std::size_t part) {
+      const std::size_t at = part * kStageBytes;
+      if (at < bytes)
+        queue.enqueueReadBuffer(bufferOf(from), CL_FALSE, offset + at,
+                                std::min(kStageBytes, bytes - at), stage(part % 2), nullptr,
+                                &written[part % 2]);
+    };
+    fetch(0);
+    for (std::size_t part = 0; part * kStageBytes < bytes; ++part) {
+      fetch(part + 1);
+      written[part % 2].wait();
+      use({stage(part % 2), std::min(kStageBytes, bytes - part * kStageBytes)});
+    }
   });
 }
 

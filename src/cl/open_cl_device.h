@@ -1,6 +1,7 @@
 // A device of an OpenCL driver.
 #pragma once
 
+#include <array>
 #include <future>
 #include <map>
 #include <string>
@@ -30,17 +31,24 @@ class OpenClDevice : public DeviceImpl {
             std::size_t bytes) override;
   void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) override;
   void view(Allocation& from, std::size_t offset, std::size_t bytes,
-            const std::function<void(const void*)>& use) override;
+            const ViewedBytes& use) override;
   void finish() override;
 
   cl::Device device;
   cl::Context context;
   cl::CommandQueue queue;
 
+  /// Whether buffers are memory of the host, so that `view` maps them.  Otherwise it copies them,
+  /// part after part, to memory that the device writes fastest.
+  bool hasHostMemory = true;
+
  private:
   cl::Kernel& kernel(const char* name);
+  std::shared_ptr<void> mapped(const cl::Buffer& buffer, std::size_t offset, std::size_t bytes);
+  std::byte* stage(std::size_t index);
 
   std::string source_;
+  std::array<std::shared_ptr<void>, 2> stages_;
   std::shared_future<cl::Program> program_;  // contains all kernels
   std::map<std::string, cl::Kernel, std::less<>> kernels_;
 };
