@@ -20,7 +20,7 @@ while [ $# -gt 0 ]; do
   case $1 in
     --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "${BASH_SOURCE[0]}"; exit 0 ;;
     --seconds) seconds=${2:?bench_gpu.sh: --seconds needs a number}; shift 2 ;;
-    --pack) pack=${2:?bench_gpu.sh: --pack needs a file}; shift 2 ;;
+    --pack) pack=${2:?bench_gpu.sh: --pack needs a file}; pack=$(realpath -m "$pack"); shift 2 ;;
     --*) echo "bench_gpu.sh: unknown option $1 (see --help)" >&2; exit 2 ;;
     *) break ;;
   esac
@@ -41,7 +41,7 @@ trap 'rm -rf "$work"' EXIT
 
 if [ -n "$pack" ]; then
   mkdir -p "$work/bench_gpu/programs" "$work/bench_gpu/lib"
-  cp "${BASH_SOURCE[0]}" "$work/bench_gpu/"
+  cp "$here/bench_gpu.sh" "$work/bench_gpu/"
   for program in "$bench" "$tests"; do strip -o "$work/bench_gpu/programs/$(basename "$program")" "$program"; done
   # All but glibc, whose version has to be the one of the machine's drivers; with OpenCL's loader, which is opened at run time.
   { ldd "$bench" "$tests" | awk '$2 == "=>" { print $3 }'; ldconfig -p | awk '/libOpenCL.so.1 .*x86-64/ && !found++ { print $NF }'; } |
@@ -79,17 +79,25 @@ status=0
 if [ ! -s "$work/devices" ] || [ $status -ne 0 ]; then exit 4; fi  # it has printed why
 if [ $# -gt 0 ]; then devices=("$@"); else mapfile -t devices < "$work/devices"; fi
 
-# Kernel tests: a third of the time at most for all devices.
+# Kernel tests: a third of the time at most for all devices, shared by a process for each core.
+shards=$(($(nproc) < 8 ? $(nproc) : 8))
 row="| kernel tests | |"
 for device in "${devices[@]}"; do
   filter="*"  # what takes longer loops than llvmpipe has is left out
   case $device in *llvmpipe*)
     filter="-Growths.EuclidEqualsItsStagesOneByOne:Properties.*:Rough.TheSameSeedGivesTheSameCrackInFinerVoxels" ;;
   esac
-  code=0
-  SHERD_REQUIRE_OPENCL=1 SHERD_TEST_DEVICE=$device timeout $((seconds / 3 / ${#devices[@]} + 1)) \
-    "$tests" --gtest_brief=1 --gtest_filter="$filter" > "$work/tests" 2>&1 || code=$?
-  passed=$(sed -n 's/^\[  PASSED  \] \([0-9]*\) tests*\.$/\1 passed/p' "$work/tests")
+  code=0 processes=()
+  for ((shard = 0; shard < shards; ++shard)); do
+    GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$shard SHERD_REQUIRE_OPENCL=1 SHERD_TEST_DEVICE=$device \
+      timeout $((seconds / 3 / ${#devices[@]} + 1)) "$tests" --gtest_brief=1 --gtest_filter="$filter" > "$work/tests.$shard" 2>&1 &
+    processes+=($!)
+  done
+  for process in "${processes[@]}"; do
+    wait "$process" || { ended=$?; [ $code -ne 0 ] && [ $code -ne 124 ] || code=$ended; }
+  done
+  cat "$work"/tests.* > "$work/tests"
+  passed=$(awk '/^\[  PASSED  \] [0-9]+ tests?\.$/ { sum += $4 } END { print sum + 0, "passed" }' "$work/tests")
   case $code in
     0) row+=" $passed |" ;;
     124) row+=" no time for all, none of those run failed |"; ! grep -q '^\[  FAILED' "$work/tests" || { row="${row% no time*} FAILED |"; status=1; } ;;

@@ -136,7 +136,7 @@ class Devices(Folder):
         (self.folder / "programs").mkdir()
         (self.folder / "programs" / "device_bench").symlink_to(PROGRAMS / "device_bench")
         tests = self.folder / "programs" / "sherd_kernel_tests"  # the real ones have tests of their own
-        tests.write_text("#!/bin/sh\necho '[  PASSED  ] 3 tests.'\n")
+        tests.write_text("#!/bin/sh\necho \"[  PASSED  ] $((GTEST_SHARD_INDEX == 0 ? 3 : 0)) tests.\"\n")
         tests.chmod(0o755)
 
     def bench(self, *arguments, drivers):
