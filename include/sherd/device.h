@@ -90,9 +90,9 @@ class DeviceImpl;
 class Device {
  public:
   /// Opens a device.
-  ///   choice  "auto": a GPU, else as "cpu".  Loads OpenCL's drivers only where the system has a
-  ///           GPU's device file
-  ///           "gpu"
+  ///   choice  "auto": the built-in device, which needs none of OpenCL's drivers; in a build
+  ///           without it a GPU, else as "cpu"
+  ///           "gpu": the first one, worth its start in fractures of 1024 voxels and above
   ///           "cpu": the built-in device, else PoCL, else any other without a caveat
   ///           "builtin", or a part of a platform's or device's name or version, ignoring case
   ///   throws  Error(device) nothing matches, or the device cannot be opened

@@ -7,7 +7,7 @@
 ///
 /// @code
 /// sherd::provideKernelCache();                              // once, before the first device
-/// sherd::Device device;                                     // a GPU, else the CPU
+/// sherd::Device device;                                     // the CPU, without a driver
 /// const sherd::SourceMesh source = sherd::readMesh("bowl.obj");
 /// sherd::WrittenFracture broken =
 ///     sherd::fractureInto("pieces", {source}, {.pieces = 8, .seed = 7}, device);

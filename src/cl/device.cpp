@@ -26,8 +26,9 @@ std::vector<DeviceFound> usableDevices(const std::vector<PlatformFound>& platfor
 
 bool isBuiltin(const DeviceFound& device) { return device.info.platform == kBuiltin; }
 
-// Returns the index of the chosen device.  `auto` and `cpu` prefer the built-in device to PoCL,
-// which runs the same kernels no faster and starts later (docs/performance.md, "Devices").
+// Returns the index of the chosen device.  `auto` prefers the built-in device to a GPU, which takes
+// longer to open and close than it saves in all but the largest fractures, and to PoCL, which runs
+// the same kernels no faster and starts later (docs/performance.md, "Devices").
 std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std::string& choice) {
   const auto first = [&](auto&& accept) -> std::optional<std::size_t> {
     const auto it = std::find_if(all.begin(), all.end(), accept);
@@ -39,9 +40,8 @@ std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std
   const auto cpu = [](const DeviceFound& c) { return !c.info.gpu && c.info.caveat.empty(); };
   if (choice == "gpu") return first(gpu);
   if (choice == "cpu" || choice == "auto") {
-    std::optional<std::size_t> found;
-    if (choice == "auto" && (mayHaveGpu() || !first(isBuiltin))) found = first(gpu);
-    if (!found) found = first(isBuiltin);
+    std::optional<std::size_t> found = first(isBuiltin);
+    if (!found && choice == "auto") found = first(gpu);
     if (!found) found = first(pocl);
     if (!found) found = first(cpu);
     return found;
@@ -56,7 +56,7 @@ std::optional<std::size_t> choose(const std::vector<DeviceFound>& all, const std
 
 // Returns the built-in device if it is the choice whatever OpenCL's drivers have.
 std::optional<DeviceFound> builtinFor(const std::string& choice) {
-  if (choice == "gpu" || (choice == "auto" && mayHaveGpu())) return std::nullopt;
+  if (choice == "gpu") return std::nullopt;
   const std::vector<DeviceFound> usable = usableDevices({builtinPlatform()});
   const std::optional<std::size_t> found = choose(usable, choice);
   return found ? std::optional(usable[*found]) : std::nullopt;

@@ -1,9 +1,6 @@
 // Discovery of devices: the built-in one and those of OpenCL drivers.
 #include "cl/device_search.h"
 
-#include <algorithm>
-#include <filesystem>
-
 #include "base/memory.h"
 #include "cl/builtin_device.h"
 
@@ -23,14 +20,6 @@ std::vector<PlatformFound> findPlatforms() {
   std::vector<PlatformFound> found = openClPlatforms();
   found.insert(found.begin(), builtinPlatform());
   return found;
-}
-
-bool mayHaveGpu() {
-  constexpr const char* kNodes[] = {"/dev/dri", "/dev/nvidiactl",      "/dev/kfd",
-                                    "/dev/dxg", "/proc/driver/nvidia", "/dev/mali0"};
-  std::error_code ignored;
-  return std::any_of(std::begin(kNodes), std::end(kNodes),
-                     [&](const char* node) { return std::filesystem::exists(node, ignored); });
 }
 
 std::string faultsOf(const std::vector<PlatformFound>& platforms) {

@@ -37,10 +37,6 @@ struct PlatformFound {
 /// Every platform, the built-in one first.
 [[nodiscard]] std::vector<PlatformFound> findPlatforms();
 
-/// Returns whether the system has a file of a GPU's kernel driver.  Without one OpenCL's drivers
-/// hardly have a GPU, so that loading them can be spared.
-[[nodiscard]] bool mayHaveGpu();
-
 /// Returns the reasons why devices and drivers cannot be used, and what to do, as the second half
 /// of a sentence; empty if all can.
 [[nodiscard]] std::string faultsOf(const std::vector<PlatformFound>& platforms);

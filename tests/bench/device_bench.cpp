@@ -100,10 +100,14 @@ double growSeconds(Column& column, int size, int fractures, const GrowOptions& o
 }
 
 Row growthRow(std::string series, int size, GrowOptions options) {
-  return {series, "ms", size, [=](Column& c, const sherd::Progress& progress) {
+  return {series,
+          "ms",
+          size,
+          [=](Column& c, const sherd::Progress& progress) {
             return 1e3 * growSeconds(c, size, 1, options, progress);
           },
-          3.0, size};
+          3.0,
+          size};
 }
 
 Row batchRow(int size, int fractures) {

@@ -158,7 +158,7 @@ class Homeless(KernelCache):
 
 
 class Builtin(KernelCache):
-    """The built-in device, which `auto` is without a GPU, keeps nothing and needs no driver."""
+    """The built-in device, which is `auto`, keeps nothing and needs no driver."""
 
     def test_nothing_is_kept(self):
         home = self.folder("home")
