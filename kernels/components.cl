@@ -10,13 +10,13 @@
 // Reference: tests/kernels/components_test.cpp, bit for bit.
 
 // Returns the node of an inside voxel of an item.
-inline uint node_of(const global uint* firstNode, const global uint* nodeCount, const global ushort* localNode,
-                    const size_t item, const int v) {
+static inline uint node_of(const global uint* firstNode, const global uint* nodeCount, const global ushort* localNode,
+                           const size_t item, const int v) {
   return firstNode[item] + (nodeCount[item] > 1 ? localNode[item * SHERD_LEAF_SIZE + v] : 0u);
 }
 
 // Adds to `component` all voxels of `mask` that are connected to it within the leaf.
-inline void fill_component(const ulong* mask, ulong* component) {
+static inline void fill_component(const ulong* mask, ulong* component) {
   for (int changed = 1; changed;) {
     changed = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -31,7 +31,7 @@ inline void fill_component(const ulong* mask, ulong* component) {
 }
 
 // Writes the node of its voxels; the first node of an item is written with the second, if there is one.
-inline void write_node(const ulong* component, const uint node, global ushort* localNode) {
+static inline void write_node(const ulong* component, const uint node, global ushort* localNode) {
   if (node == 1) {
     for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[i] = 0;
   }
@@ -100,7 +100,7 @@ kernel void component_nodes(
 }
 
 // Returns the root of a node.  Ancestors only get lower, so path halving during the walk is safe.
-inline uint root_of(volatile global uint* parent, uint node) {
+static inline uint root_of(volatile global uint* parent, uint node) {
   uint up = atomic_add(&parent[node], 0u);
   while (up != node) {
     const uint next = atomic_add(&parent[up], 0u);
@@ -111,7 +111,7 @@ inline uint root_of(volatile global uint* parent, uint node) {
   return node;
 }
 
-inline void join(volatile global uint* parent, uint a, uint b) {
+static inline void join(volatile global uint* parent, uint a, uint b) {
   for (;;) {
     a = root_of(parent, a);
     b = root_of(parent, b);

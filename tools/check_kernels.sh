@@ -1,12 +1,23 @@
 #!/usr/bin/env bash
-# Run the kernel tests under oclgrind: data races and bad addresses.  A planted race must be found first.
+# Run the kernel tests under oclgrind: data races and bad addresses.  A planted race must be found first.  Before that,
+# compile the kernels without optimization: each function that they call must have a definition.
 #
 # Not --uninitialized: oclgrind 21.10 does not track writes of clEnqueueFillBuffer and vectorized stores, and
 # reports every read of them.
 #
 # usage: check_kernels.sh BUILD_FOLDER    (built with tests)
 set -euo pipefail
-build=${1:?usage: check_kernels.sh BUILD_FOLDER}
+build=$(realpath "${1:?usage: check_kernels.sh BUILD_FOLDER}")
+cd "$(dirname "$0")/.."
+# A function that is inline, but not static, has none where a driver's compiler does not inline it (C99, 6.7.4).
+headers=(leaf_block.h voxel_metric.h leaf_labels.h flood_front.h)  # as CMakeLists.txt has them
+undefined=$(cd kernels && cat "${headers[@]}" ./*.cl |
+  clang -x cl -cl-std=CL1.2 -D__OPENCL_VERSION__=120 --target=spir64 -Xclang -finclude-default-header -O0 -w -S -emit-llvm -o - - |
+  sed -n 's/^declare .*@\([a-z0-9_]*\)(.*/\1/p')
+if [ -n "$undefined" ]; then
+  echo "check_kernels.sh: functions that are inline but not static:" $undefined >&2
+  exit 1
+fi
 unset OCL_ICD_VENDORS
 export SHERD_TEST_DEVICE=oclgrind SHERD_TEST_SMALL=1 SHERD_REQUIRE_OPENCL=1 SHERD_PROPERTY_CASES=2
 logs=$(mktemp -d)
