@@ -124,11 +124,16 @@ struct FractureResult {
 [[nodiscard]] FractureResult fracture(Solid solid, const FractureOptions& options, Device& device,
                                       const Progress* progress = nullptr);
 
+class SolidWalls;
+
 /// A solid with what is computed once for any number of fractures.
 struct PreparedSolid {
   Solid solid;                                     ///< without small components
   VoxelComponents components;                      ///< of the solid
   std::shared_ptr<const IntactSurface> surface{};  ///< of the solid, or null
+  /// Of the solid, found by the first fracture that needs them and kept, 3 KiB for each leaf node;
+  /// null: found for each.
+  std::shared_ptr<SolidWalls> walls{};
 };
 
 /// Drops small components and finds the others; leaves `surface` null.

@@ -173,12 +173,18 @@ std::shared_ptr<const sherd::IntactSurface> Solid::surface() const {
 sherd::PreparedSolid Solid::prepared() const {
   sherd::PreparedSolid ready = ready_;
   ready.surface = surface();
+  if (!isSmall()) ready.walls.reset();
   return ready;
 }
 
-void Solid::keepSurface() const {
+// Whether what fractures share is kept.
+bool Solid::isSmall() const {
   constexpr std::size_t kMaxLeaves = 50'000;  // as in a dataset, for its memory
-  if (solid().blocks->count() > kMaxLeaves) return;
+  return solid().blocks->count() <= kMaxLeaves;
+}
+
+void Solid::keepSurface() const {
+  if (!isSmall()) return;
   std::call_once(surfaceMade_, [&] {
     auto made = sherd::intactSurface(solid());
     const std::lock_guard lock(surfaceMutex_);

@@ -80,7 +80,8 @@ class Solid : public std::enable_shared_from_this<Solid> {
   /// The box of the intact surface, or of the voxels without one, world units.
   [[nodiscard]] sherd::Box surfaceBox() const;
 
-  /// Bytes that the solid takes, about: grid, leaf blocks, mesh, and the surface if it is kept.
+  /// Bytes that the solid takes, about: grid, leaf blocks, mesh, and the surface and walls that are
+  /// kept.
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:
@@ -91,6 +92,7 @@ class Solid : public std::enable_shared_from_this<Solid> {
   sherd::PreparedSolid ready_;  // without a surface
   std::string file_;
   [[nodiscard]] std::shared_ptr<const sherd::IntactSurface> surface() const;
+  [[nodiscard]] bool isSmall() const;
 
   mutable std::once_flag surfaceMade_;
   mutable std::mutex surfaceMutex_;

@@ -3,6 +3,7 @@
 
 #include "solid.h"
 #include "surface/intact.h"
+#include "voxelize/wall_middles.h"
 
 namespace pysherd {
 namespace {
@@ -80,6 +81,7 @@ std::uint64_t Solid::bytes() const {
   if (solid().region) bytes += kTreesPerTriangle * source_.mesh.triangles.size();
   if (solid().mesh) bytes += bytesOf(solid().mesh->mesh) + bytesOf(solid().mesh->source);
   if (const auto intact = surface()) bytes += bytesOf(*intact, *solid().blocks);
+  if (ready_.walls) bytes += ready_.walls->bytes();
   return bytes;
 }
 

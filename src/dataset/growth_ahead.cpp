@@ -12,7 +12,6 @@ GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,
                          std::map<std::string, int> done, const DatasetRun& run,
                          const Progress& progress)
     : ready_(ready),
-      walls_(ready.solid),
       run_(run),
       options_(run.options),
       sha256_(std::move(sha256)),
@@ -53,7 +52,7 @@ void GrowthAhead::growBatch() {
   }
   if (ahead_.empty()) return;
   std::vector<GrownFracture> grown =
-      growTogether(ready_, options, run_.device, StageClock(), &progress_, &walls_);
+      growTogether(ready_, options, run_.device, StageClock(), &progress_);
   for (std::size_t i = 0; i < grown.size(); ++i) ahead_[i]->grown = std::move(grown[i]);
 }
 
@@ -64,7 +63,7 @@ void GrowthAhead::growDistinct() {
     const bool isDone = done != done_.end();
     for (int attempt = isDone ? done->second : 0;; ++attempt) {
       auto plan = planOf(next_, attempt);
-      plan->grown = grow(ready_, plan->options, run_.device, StageClock(), &progress_, &walls_);
+      plan->grown = grow(ready_, plan->options, run_.device, StageClock(), &progress_);
       const bool isNew = distinct_.add(plan->grown.result.labels, options_.distinct, isDone);
       if (isNew) {
         if (!isDone) ahead_.push_back(std::move(plan));

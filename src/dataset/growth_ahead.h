@@ -10,7 +10,6 @@
 #include "dataset/distinct.h"
 #include "dataset/object_run.h"
 #include "pipeline/fracture_stages.h"
-#include "voxelize/wall_middles.h"
 
 namespace sherd {
 
@@ -44,7 +43,6 @@ class GrowthAhead {
   std::unique_ptr<PlannedGrowth> planOf(std::size_t number, int attempt);
 
   const PreparedSolid& ready_;
-  SolidWalls walls_;
   const DatasetRun& run_;
   const DatasetOptions& options_;
   const std::string sha256_;

@@ -1,11 +1,13 @@
 // The stages in order, timed.
 #include <sherd/fracture.h>
 
+#include <memory>
 #include <utility>
 
 #include "cl/device_impl.h"
 #include "grow/small_components.h"
 #include "pipeline/fracture_stages.h"
+#include "voxelize/wall_middles.h"
 
 namespace sherd {
 namespace {
@@ -61,7 +63,8 @@ FractureResult fracture(Solid solid, const FractureOptions& options, Device& dev
 PreparedSolid prepared(Solid solid, Device& device) {
   VoxelComponents components = findComponents(*solid.blocks, device);
   Solid clean = dropSmallComponents(std::move(solid), components, device);
-  return {std::move(clean), std::move(components)};
+  auto walls = std::make_shared<SolidWalls>(clean);
+  return {std::move(clean), std::move(components), {}, std::move(walls)};
 }
 
 FractureResult fracture(const PreparedSolid& ready, const FractureOptions& options, Device& device,

@@ -173,21 +173,19 @@ SequentialFracture sequentialOf(const FractureOptions& options, const Solid& sol
 
 SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
-                     Device& device, const Progress* progress, SolidWalls* walls) {
+                     SolidWalls& walls, Device& device, const Progress* progress) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
   grow.longestSideVoxels = longestSideVoxels(solid);
-  SolidWalls own(solid);
-  SolidWalls& used = walls != nullptr ? *walls : own;
   if (ruleOf(grow.growth).splits) {
     const SequentialFracture fracture = sequentialOf(options, solid, components, seed);
-    return std::move(growSequential(solid, used, components, std::span(&fracture, 1), device, grow,
+    return std::move(growSequential(solid, walls, components, std::span(&fracture, 1), device, grow,
                                     options.shares, sidesOf(options.guides, solid, progress),
                                     progress)
                          .front());
   }
   const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds));
-  grow.walls = {middlesFor(options, solid, fragments, used, progress)};
+  grow.walls = {middlesFor(options, solid, fragments, walls, progress)};
   if (grow.walls.front()) {
     seeds = withDistinctMiddles(std::move(seeds), *solid.blocks, *grow.walls.front());
   }
@@ -293,8 +291,7 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
 
 std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
                                         std::span<const FractureOptions> options, Device& device,
-                                        StageClock clock, const Progress* progress,
-                                        SolidWalls* walls) {
+                                        StageClock clock, const Progress* progress) {
   std::vector<GrownFracture> all;
   std::vector<std::vector<Seed>> seeds;
   GrowOptions together = options.front().grow;
@@ -307,15 +304,15 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   }
   clock.done("seed");
   std::vector<Labels> labels;
-  SolidWalls own(ready.solid);
-  SolidWalls& used = walls != nullptr ? *walls : own;
+  const std::shared_ptr<SolidWalls> walls =
+      ready.walls ? ready.walls : std::make_shared<SolidWalls>(ready.solid);
   if (ruleOf(together.growth).splits) {
-    labels = splitTogether(ready, all, options, together, used, device, progress);
+    labels = splitTogether(ready, all, options, together, *walls, device, progress);
   } else if (options.front()
                  .shares.isAny()) {  // how often each has to grow depends on what comes out
     for (std::size_t i = 0; i < all.size(); ++i) {
       SeededLabels one = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
-                                 options[i].seed, device, progress, &used);
+                                 options[i].seed, *walls, device, progress);
       all[i].result.seeds = std::move(one.seeds);
       all[i].result.sizeError = one.sizeError;
       labels.push_back(std::move(one.labels));
@@ -323,7 +320,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   } else {
     for (std::size_t i = 0; i < all.size(); ++i) {
       const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds[i]));
-      together.walls.push_back(middlesFor(options[i], ready.solid, fragments, used, progress));
+      together.walls.push_back(middlesFor(options[i], ready.solid, fragments, *walls, progress));
       if (!together.walls.back()) continue;
       seeds[i] =
           withDistinctMiddles(std::move(seeds[i]), *ready.solid.blocks, *together.walls.back());
@@ -339,10 +336,9 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
 }
 
 GrownFracture grow(const PreparedSolid& ready, const FractureOptions& options, Device& device,
-                   StageClock clock, const Progress* progress, SolidWalls* walls) {
+                   StageClock clock, const Progress* progress) {
   return std::move(
-      growTogether(ready, std::span(&options, 1), device, std::move(clock), progress, walls)
-          .front());
+      growTogether(ready, std::span(&options, 1), device, std::move(clock), progress).front());
 }
 
 namespace {

@@ -15,8 +15,6 @@
 
 namespace sherd {
 
-class SolidWalls;
-
 /// The seconds of consecutive stages; those of a repeated stage are summed.
 class StageClock {
  public:
@@ -51,11 +49,11 @@ void checkOptions(const FractureOptions& options);
 
 /// Grow by options.grow and options.shares; `seed` determines every random choice.
 ///   seeds  none where growth splits the solid
-///   walls  of the solid, or of one with the same leaves that it is a part of; null: found here
+///   walls  of the solid, or of one with the same leaves that it is a part of
 [[nodiscard]] SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                                    const VoxelComponents& components, std::vector<Seed> seeds,
-                                   std::uint64_t seed, Device& device, const Progress* progress,
-                                   SolidWalls* walls = nullptr);
+                                   std::uint64_t seed, SolidWalls& walls, Device& device,
+                                   const Progress* progress);
 
 /// A fracture after all work on the device.
 struct GrownFracture {
@@ -80,17 +78,14 @@ struct GrownFracture {
 /// Seed several fractures, grow them together, and erode each; the results equal separate runs.
 ///   options  growth and shares of the first apply to all
 ///   clock    of the earlier stages
-///   walls    of the prepared solid, kept by who grows more fractures of it; or null
 [[nodiscard]] std::vector<GrownFracture> growTogether(const PreparedSolid& prepared,
                                                       std::span<const FractureOptions> options,
                                                       Device& device, StageClock clock,
-                                                      const Progress* progress,
-                                                      SolidWalls* walls = nullptr);
+                                                      const Progress* progress);
 
 /// The same for one fracture.
 [[nodiscard]] GrownFracture grow(const PreparedSolid& prepared, const FractureOptions& options,
-                                 Device& device, StageClock clock, const Progress* progress,
-                                 SolidWalls* walls = nullptr);
+                                 Device& device, StageClock clock, const Progress* progress);
 
 /// `fracture` and `refracture` without the fragments.
 [[nodiscard]] GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options,

@@ -49,8 +49,9 @@ SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions&
     own.grow.roughnessWindow = fragment.box.longestSide() / 10.0;
   }
   // Splits follow the fragment's own surface, old cracks included.
-  SolidWalls* const used = ruleOf(options.grow.growth).splits ? nullptr : &walls;
-  return growFor(own, fragment, components, std::move(seeds), seed, device, progress, used);
+  SolidWalls ownWalls(fragment);
+  SolidWalls& followed = ruleOf(options.grow.growth).splits ? ownWalls : walls;
+  return growFor(own, fragment, components, std::move(seeds), seed, followed, device, progress);
 }
 
 // The splits of all broken fragments: a guide does something if it divides one of them.

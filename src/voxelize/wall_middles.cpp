@@ -113,16 +113,25 @@ WallMiddles::WallMiddles(std::shared_ptr<const LeafBlocks> blocks, std::vector<s
 }
 
 std::span<const glm::dmat3> SolidWalls::normals() {
+  const std::lock_guard lock(found_);
   if (!normals_) normals_ = wallNormals(solid_);
   return *normals_;
 }
 
 std::shared_ptr<const WallMiddles> SolidWalls::middles(const Progress* progress) {
+  const std::span<const glm::dmat3> normals = this->normals();
+  const std::lock_guard lock(found_);
   if (!middles_) {
-    middles_ = std::make_shared<const WallMiddles>(solid_, normals(), WallMiddles::mostOf(solid_),
-                                                   progress);
+    middles_ =
+        std::make_shared<const WallMiddles>(solid_, normals, WallMiddles::mostOf(solid_), progress);
   }
   return middles_;
+}
+
+std::size_t SolidWalls::bytes() {
+  const std::lock_guard lock(found_);
+  return (normals_ ? normals_->size() * sizeof(glm::dmat3) : 0) +
+         (middles_ ? middles_->ways().size_bytes() : 0);
 }
 
 WaysAround::WaysAround(const WallMiddles* walls, const openvdb::Coord& origin)

@@ -9,8 +9,10 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace sherd {
@@ -59,11 +61,10 @@ class WallMiddles {
 };
 
 /// What growth has to know of a solid's walls, found when it is first asked for: fractures of one
-/// solid share it.  Use it from one thread.
+/// solid share it.  Callable from any thread.
 class SolidWalls {
  public:
-  ///   solid  kept by reference
-  explicit SolidWalls(const Solid& solid) : solid_(solid) {}
+  explicit SolidWalls(Solid solid) : solid_(std::move(solid)) {}
 
   /// Returns wallNormals, as long as this lives.
   [[nodiscard]] std::span<const glm::dmat3> normals();
@@ -72,8 +73,12 @@ class SolidWalls {
   ///   throws  Error(cancelled)
   [[nodiscard]] std::shared_ptr<const WallMiddles> middles(const Progress* progress);
 
+  /// Returns the bytes that what has been found takes.
+  [[nodiscard]] std::size_t bytes();
+
  private:
-  const Solid& solid_;
+  std::mutex found_;
+  const Solid solid_;
   std::optional<std::vector<glm::dmat3>> normals_;
   std::shared_ptr<const WallMiddles> middles_;
 };

@@ -220,5 +220,28 @@ TEST_F(WallCracks, OfAPlateAreAtRightAnglesByDefault) {
   }
 }
 
+TEST_F(WallCracks, FollowWallsThatAreFoundOnceForASolid) {
+  const PreparedSolid shell =
+      prepared(voxelize(shapes::hollowBall(1.0, 0.9), {.resolution = 48}), device());
+  const auto labels = [&](const PreparedSolid& solid, std::uint64_t seed, SeedsOn on) {
+    FractureOptions options;
+    options.pieces = 20;
+    options.seed = seed;
+    options.seeds.on = on;
+    return fracture(solid, options, device()).labels;
+  };
+  EXPECT_FALSE(labels(shell, 1, SeedsOn::volume).walls);
+  EXPECT_EQ(shell.walls->bytes(), 0u);
+
+  const Labels first = labels(shell, 1, SeedsOn::wall);
+  ASSERT_TRUE(first.walls);
+  EXPECT_GE(shell.walls->bytes(), first.walls->ways().size_bytes());
+  EXPECT_EQ(labels(shell, 2, SeedsOn::wall).walls, first.walls);
+
+  const Labels alone = labels({shell.solid, shell.components}, 1, SeedsOn::wall);
+  EXPECT_NE(alone.walls, first.walls);
+  EXPECT_EQ(alone.fragment, first.fragment);
+}
+
 }  // namespace
 }  // namespace sherd
