@@ -14,6 +14,7 @@
 
 #include "base/random.h"
 #include "grow/sized_growth.h"
+#include "seed/distinct_middles.h"
 #include "seed/samplers.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -257,12 +258,18 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   const auto growFrom = [&](const std::vector<Seed>& from) {
     return std::move(grow(blocks, std::span(&from, 1), device, options.grow, progress).front());
   };
+  // Seeds that were moved, with middles of their own in walls.
+  const auto apart = [&](std::vector<Seed> moved) {
+    const std::shared_ptr<const WallMiddles> walls =
+        options.grow.walls.empty() ? nullptr : options.grow.walls.front();
+    return walls ? withDistinctMiddles(std::move(moved), *blocks, *walls) : std::move(moved);
+  };
   constexpr int kTriesBeforeCentering = 8;
   const DensityTest density(options.density, solid.frame, options.seed);
 
   Labels labels = growFrom(seeds);
   for (int i = 0; i < shares.balance; ++i) {
-    seeds = centeredSeeds(labels, std::move(seeds));
+    seeds = apart(centeredSeeds(labels, std::move(seeds)));
     labels = growFrom(seeds);
   }
   if (shares.sizes != Sizes::grown) {
@@ -281,9 +288,10 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
     }
     reseed(solid, labels, seeds, removableFragments(*blocks, components, seeds, std::move(small)),
            counts, options.seed, density, attempt);
-    if (attempt >= kTriesBeforeCentering) {
-      seeds = centeredSeeds(growFrom(seeds), std::move(seeds));
-    }
+    seeds = apart(std::move(seeds));
+    labels = growFrom(seeds);
+    if (attempt < kTriesBeforeCentering) continue;
+    seeds = apart(centeredSeeds(labels, std::move(seeds)));
     labels = growFrom(seeds);
   }
   throw unreachedShare(shares, fragments, smallest, voxels, false);

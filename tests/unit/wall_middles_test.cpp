@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "kernels/device_fixture.h"
+#include "pipeline/fracture_stages.h"
 #include "seed/wall.h"
 #include "shapes.h"
 #include "voxelize/wall_normals.h"
@@ -241,6 +242,20 @@ TEST_F(WallCracks, FollowWallsThatAreFoundOnceForASolid) {
   const Labels alone = labels({shell.solid, shell.components}, 1, SeedsOn::wall);
   EXPECT_NE(alone.walls, first.walls);
   EXPECT_EQ(alone.fragment, first.fragment);
+}
+
+// Seeds that are placed anew for the least share, or at centers, have middles of their own too.
+TEST_F(WallCracks, FollowWallsAlsoFromSeedsThatAreMoved) {
+  const PreparedSolid flat = prepared(voxelize(plate(0.2), {.resolution = 64}), device());
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    FractureOptions options;
+    options.pieces = 300;
+    options.seed = seed;
+    options.seeds.on = SeedsOn::wall;
+    options.shares.minShare = 0.3 / options.pieces;
+    options.shares.balance = seed % 2 == 0 ? 0 : 2;
+    EXPECT_TRUE(grow(flat, options, device(), {}, nullptr).result.labels.walls) << seed;
+  }
 }
 
 }  // namespace
