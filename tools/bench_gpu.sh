@@ -36,8 +36,8 @@ else
   tools/build.sh release device_bench sherd_kernel_tests -- -DSHERD_TESTS=ON -DSHERD_BENCH=ON >&2
   bench=$PWD/build/release/tests/bench/device_bench tests=$PWD/build/release/tests/sherd_kernel_tests
 fi
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+work=$(mktemp -d) processes=()
+trap 'kill "${processes[@]}" 2> /dev/null || true; rm -rf "$work"' EXIT
 
 if [ -n "$pack" ]; then
   mkdir -p "$work/bench_gpu/programs" "$work/bench_gpu/lib"
@@ -93,15 +93,22 @@ for device in "${devices[@]}"; do
       timeout $((seconds / 3 / ${#devices[@]} + 1)) "$tests" --gtest_brief=1 --gtest_filter="$filter" > "$work/tests.$shard" 2>&1 &
     processes+=($!)
   done
-  for process in "${processes[@]}"; do
-    wait "$process" || { ended=$?; [ $code -ne 0 ] && [ $code -ne 124 ] || code=$ended; }
+  for shard in "${!processes[@]}"; do
+    ended=0
+    wait "${processes[shard]}" || ended=$?
+    case $ended in
+      0) ;;
+      124) [ $code -ne 0 ] || code=124 ;;
+      *) code=$ended; tail -n 20 "$work/tests.$shard" >&2 ;;
+    esac
   done
+  processes=()
   cat "$work"/tests.* > "$work/tests"
   passed=$(awk '/^\[  PASSED  \] [0-9]+ tests?\.$/ { sum += $4 } END { print sum + 0, "passed" }' "$work/tests")
   case $code in
     0) row+=" $passed |" ;;
     124) row+=" no time for all, none of those run failed |"; ! grep -q '^\[  FAILED' "$work/tests" || { row="${row% no time*} FAILED |"; status=1; } ;;
-    *) row+=" FAILED |"; status=1; tail -n 20 "$work/tests" >&2 ;;
+    *) row+=" FAILED |"; status=1 ;;
   esac
 done
 "$bench" $((seconds - SECONDS)) "${devices[@]}" builtin > "$work/table"

@@ -92,7 +92,8 @@ class Device {
   /// Opens a device.
   ///   choice  "auto": the built-in device, which needs none of OpenCL's drivers; in a build
   ///           without it a GPU, else as "cpu"
-  ///           "gpu": the first one, worth its start in fractures of 1024 voxels and above
+  ///           "gpu": the first one, worth its start at 2048 voxels, and from 512 with roughness
+  ///           on few cores
   ///           "cpu": the built-in device, else PoCL, else any other without a caveat
   ///           "builtin", or a part of a platform's or device's name or version, ignoring case
   ///   throws  Error(device) nothing matches, or the device cannot be opened

@@ -132,7 +132,7 @@ struct PreparedSolid {
   VoxelComponents components;                      ///< of the solid
   std::shared_ptr<const IntactSurface> surface{};  ///< of the solid, or null
   /// Of the solid, found by the first fracture that needs them and kept, 3 KiB for each leaf node;
-  /// null: found for each.
+  /// null, or of a solid with other leaf blocks: found for each fracture.
   std::shared_ptr<SolidWalls> walls{};
 };
 

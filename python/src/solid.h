@@ -80,8 +80,8 @@ class Solid : public std::enable_shared_from_this<Solid> {
   /// The box of the intact surface, or of the voxels without one, world units.
   [[nodiscard]] sherd::Box surfaceBox() const;
 
-  /// Bytes that the solid takes, about: grid, leaf blocks, mesh, and the surface and walls that are
-  /// kept.
+  /// Bytes that the solid takes, about: grid, leaf blocks, mesh, the surface if it is kept, and the
+  /// walls that its fractures will find.
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:

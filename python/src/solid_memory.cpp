@@ -1,6 +1,7 @@
 // How much memory a solid takes, and the box of its surface.
 #include <openvdb/openvdb.h>
 
+#include "seed/wall.h"
 #include "solid.h"
 #include "surface/intact.h"
 #include "voxelize/wall_middles.h"
@@ -81,7 +82,9 @@ std::uint64_t Solid::bytes() const {
   if (solid().region) bytes += kTreesPerTriangle * source_.mesh.triangles.size();
   if (solid().mesh) bytes += bytesOf(solid().mesh->mesh) + bytesOf(solid().mesh->source);
   if (const auto intact = surface()) bytes += bytesOf(*intact, *solid().blocks);
-  if (ready_.walls) bytes += ready_.walls->bytes();
+  const bool keepsWalls =
+      isSmall() && resolved(sherd::SeedsOn::automatic, solid(), 2) == sherd::SeedsOn::wall;
+  if (keepsWalls) bytes += solid().blocks->count() * sherd::SolidWalls::kBytesOfALeaf;
   return bytes;
 }
 

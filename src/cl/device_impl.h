@@ -20,6 +20,7 @@ namespace sherd {
 
 /// What DeviceImpl::view calls.
 using ViewedBytes = std::function<void(std::span<const std::byte>)>;
+constexpr std::size_t kViewedBytes = std::size_t{1} << 20;
 
 /// Commands run in the order in which they are given.  Every function throws Error(device) where
 /// the device fails, and std::bad_alloc where the host has no memory.
@@ -53,8 +54,8 @@ class DeviceImpl {
                     std::size_t bytes) = 0;
   virtual void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) = 0;
 
-  /// Passes memory to `use` that holds the same bytes: once, or part after part.  On a CPU it is
-  /// the buffer itself.
+  /// Passes memory to `use` that holds the same bytes: all at once, where it is the buffer itself,
+  /// as on a CPU, or kViewedBytes after the other.
   virtual void view(Allocation& from, std::size_t offset, std::size_t bytes,
                     const ViewedBytes& use) = 0;
 
@@ -104,6 +105,7 @@ DeviceBuffer uploadBuffer(DeviceImpl& device, std::span<const T> data) {
 template <class T>
 void append(std::vector<T>& all, DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count,
             std::size_t first = 0) {
+  static_assert(kViewedBytes % sizeof(T) == 0);
   if (count == 0) return;
   device.view(*buffer, first * sizeof(T), count * sizeof(T), [&](std::span<const std::byte> part) {
     const T* const from = reinterpret_cast<const T*>(part.data());

@@ -7,8 +7,6 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kStageBytes = std::size_t{1} << 20;
-
 cl::Buffer& bufferOf(Allocation& memory) { return static_cast<OpenClAllocation&>(memory).buffer; }
 
 // Runs `body`; errors of the OpenCL bindings become Error(device).
@@ -109,9 +107,9 @@ void OpenClDevice::copy(Allocation& from, Allocation& to, std::size_t toOffset, 
 }
 
 // Maps bytes of a buffer until the pointer is gone.
-std::shared_ptr<void> OpenClDevice::mapped(const cl::Buffer& buffer, std::size_t offset,
-                                           std::size_t bytes) {
-  void* const data = queue.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, offset, bytes);
+std::shared_ptr<void> OpenClDevice::mapped(const cl::Buffer& buffer, cl_map_flags use,
+                                           std::size_t offset, std::size_t bytes) {
+  void* const data = queue.enqueueMapBuffer(buffer, CL_TRUE, use, offset, bytes);
   return {data, [this, buffer](void* held) {
             ::clEnqueueUnmapMemObject(queue(), buffer(), held, 0, nullptr, nullptr);
           }};
@@ -120,9 +118,10 @@ std::shared_ptr<void> OpenClDevice::mapped(const cl::Buffer& buffer, std::size_t
 // One of two pieces of page-locked memory, which a GPU writes at the speed of its bus.
 std::byte* OpenClDevice::stage(std::size_t index) {
   std::shared_ptr<void>& memory = stages_[index];
-  if (!memory)
-    memory = mapped(cl::Buffer(context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, kStageBytes), 0,
-                    kStageBytes);
+  if (!memory) {
+    const cl::Buffer buffer(context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, kViewedBytes);
+    memory = mapped(buffer, CL_MAP_READ | CL_MAP_WRITE, 0, kViewedBytes);
+  }
   return static_cast<std::byte*>(memory.get());
 }
 
@@ -130,23 +129,24 @@ void OpenClDevice::view(Allocation& from, std::size_t offset, std::size_t bytes,
                         const ViewedBytes& use) {
   checked(info, "reading a buffer", [&] {
     if (hasHostMemory) {
-      use({static_cast<const std::byte*>(mapped(bufferOf(from), offset, bytes).get()), bytes});
+      const std::shared_ptr<void> data = mapped(bufferOf(from), CL_MAP_READ, offset, bytes);
+      use({static_cast<const std::byte*>(data.get()), bytes});
       return;
     }
     // The device writes a part while the one before is used.
     std::array<cl::Event, 2> written;
     const auto fetch = [&](std::size_t part) {
-      const std::size_t at = part * kStageBytes;
+      const std::size_t at = part * kViewedBytes;
       if (at < bytes)
         queue.enqueueReadBuffer(bufferOf(from), CL_FALSE, offset + at,
-                                std::min(kStageBytes, bytes - at), stage(part % 2), nullptr,
+                                std::min(kViewedBytes, bytes - at), stage(part % 2), nullptr,
                                 &written[part % 2]);
     };
     fetch(0);
-    for (std::size_t part = 0; part * kStageBytes < bytes; ++part) {
+    for (std::size_t part = 0; part * kViewedBytes < bytes; ++part) {
       fetch(part + 1);
       written[part % 2].wait();
-      use({stage(part % 2), std::min(kStageBytes, bytes - part * kStageBytes)});
+      use({stage(part % 2), std::min(kViewedBytes, bytes - part * kViewedBytes)});
     }
   });
 }

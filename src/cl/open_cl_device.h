@@ -44,7 +44,8 @@ class OpenClDevice : public DeviceImpl {
 
  private:
   cl::Kernel& kernel(const char* name);
-  std::shared_ptr<void> mapped(const cl::Buffer& buffer, std::size_t offset, std::size_t bytes);
+  std::shared_ptr<void> mapped(const cl::Buffer& buffer, cl_map_flags use, std::size_t offset,
+                               std::size_t bytes);
   std::byte* stage(std::size_t index);
 
   std::string source_;

@@ -304,8 +304,8 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   }
   clock.done("seed");
   std::vector<Labels> labels;
-  const std::shared_ptr<SolidWalls> walls =
-      ready.walls ? ready.walls : std::make_shared<SolidWalls>(ready.solid);
+  const bool areKept = ready.walls && ready.walls->areOf(ready.solid);
+  const auto walls = areKept ? ready.walls : std::make_shared<SolidWalls>(ready.solid);
   if (ruleOf(together.growth).splits) {
     labels = splitTogether(ready, all, options, together, *walls, device, progress);
   } else if (options.front()

@@ -3,6 +3,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -112,9 +113,10 @@ WallMiddles::WallMiddles(std::shared_ptr<const LeafBlocks> blocks, std::vector<s
   for (const std::int16_t way : ways_) reach_ = std::max(reach_, std::abs(int{way}));
 }
 
+// While it waits for other threads, this one takes up no task that could ask for the walls too.
 std::span<const glm::dmat3> SolidWalls::normals() {
   const std::lock_guard lock(found_);
-  if (!normals_) normals_ = wallNormals(solid_);
+  if (!normals_) tbb::this_task_arena::isolate([&] { normals_ = wallNormals(solid_); });
   return *normals_;
 }
 
@@ -122,8 +124,10 @@ std::shared_ptr<const WallMiddles> SolidWalls::middles(const Progress* progress)
   const std::span<const glm::dmat3> normals = this->normals();
   const std::lock_guard lock(found_);
   if (!middles_) {
-    middles_ =
-        std::make_shared<const WallMiddles>(solid_, normals, WallMiddles::mostOf(solid_), progress);
+    tbb::this_task_arena::isolate([&] {
+      middles_ = std::make_shared<const WallMiddles>(solid_, normals, WallMiddles::mostOf(solid_),
+                                                     progress);
+    });
   }
   return middles_;
 }

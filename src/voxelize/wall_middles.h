@@ -66,6 +66,9 @@ class SolidWalls {
  public:
   explicit SolidWalls(Solid solid) : solid_(std::move(solid)) {}
 
+  /// Returns whether these are the walls of a solid.
+  [[nodiscard]] bool areOf(const Solid& solid) const { return solid.blocks == solid_.blocks; }
+
   /// Returns wallNormals, as long as this lives.
   [[nodiscard]] std::span<const glm::dmat3> normals();
 
@@ -73,6 +76,8 @@ class SolidWalls {
   ///   throws  Error(cancelled)
   [[nodiscard]] std::shared_ptr<const WallMiddles> middles(const Progress* progress);
 
+  /// Bytes of what is found, for each leaf.
+  static constexpr std::size_t kBytesOfALeaf = sizeof(glm::dmat3) + 512 * 3 * sizeof(std::int16_t);
   /// Returns the bytes that what has been found takes.
   [[nodiscard]] std::size_t bytes();
 

@@ -261,9 +261,11 @@ std::vector<Row> rows() {
 std::string cell(const Row& row, Column& column, double most, double secondsLeft) {
   const auto skipped = column.leftOut.find(row.series);
   if (skipped != column.leftOut.end() && skipped->second < row.size) return "left out";
-  if (secondsLeft <= 0.0) return "no time left";
-  if (row.ball > 0) (void)bench::ball(row.ball);
+  const Clock::time_point begin = Clock::now();
+  if (secondsLeft > 0.0 && row.ball > 0) (void)bench::ball(row.ball);
   const Clock::time_point start = Clock::now();
+  secondsLeft -= std::chrono::duration<double>(start - begin).count();
+  if (secondsLeft <= 0.0) return "no time left";
   const sherd::Progress progress{
       .report = {}, .cancelled = [&] { return secondsSince(start) > std::min(most, secondsLeft); }};
   try {

@@ -3,10 +3,15 @@
 
 #include <gtest/gtest.h>
 #include <sherd/fracture.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
 
 #include "kernels/device_fixture.h"
@@ -136,6 +141,20 @@ TEST(WallMiddles, StopOnRequest) {
   Progress progress;
   progress.cancelled = [] { return true; };
   EXPECT_THROW((void)WallMiddles(solid, wallNormals(solid), 20.0, &progress), Error);
+}
+
+// Whichever task asks first finds them for all.
+TEST(SolidWalls, AreTheSameForAllTasks) {
+  SolidWalls walls(voxelize(shapes::hollowBall(1.0, 0.9), {.resolution = 64}));
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 8);
+  std::array<std::shared_ptr<const WallMiddles>, 64> found;
+  tbb::task_arena(8).execute([&] {
+    tbb::parallel_for(
+        std::size_t{0}, found.size(), [&](std::size_t i) { found[i] = walls.middles(nullptr); },
+        tbb::simple_partitioner());
+  });
+  ASSERT_TRUE(found.front());
+  for (const auto& middles : found) EXPECT_EQ(middles, found.front());
 }
 
 TEST(ThinSolids, AreVesselsShellsAndPlates) {
