@@ -8,7 +8,7 @@
 #define SHERD_BUILT_INS_H
 
 #define __OPENCL_VERSION__ 120
-#define inline __inline__ __attribute__((unused))
+#define inline static __inline__ __attribute__((unused))  // C99's inline needs a definition elsewhere
 #define BUILT_IN static __inline__ __attribute__((overloadable, always_inline, unused))
 
 typedef unsigned char uchar;

@@ -10,13 +10,13 @@
 // Reference: tests/kernels/components_test.cpp, bit for bit.
 
 // Returns the node of an inside voxel of an item.
-static inline uint node_of(const global uint* firstNode, const global uint* nodeCount, const global ushort* localNode,
-                           const size_t item, const int v) {
+inline uint node_of(const global uint* firstNode, const global uint* nodeCount, const global ushort* localNode,
+                    const size_t item, const int v) {
   return firstNode[item] + (nodeCount[item] > 1 ? localNode[item * SHERD_LEAF_SIZE + v] : 0u);
 }
 
 // Adds to `component` all voxels of `mask` that are connected to it within the leaf.
-static inline void fill_component(const ulong* mask, ulong* component) {
+inline void fill_component(const ulong* mask, ulong* component) {
   for (int changed = 1; changed;) {
     changed = 0;
     for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -31,7 +31,7 @@ static inline void fill_component(const ulong* mask, ulong* component) {
 }
 
 // Writes the node of its voxels; the first node of an item is written with the second, if there is one.
-static inline void write_node(const ulong* component, const uint node, global ushort* localNode) {
+inline void write_node(const ulong* component, const uint node, global ushort* localNode) {
   if (node == 1) {
     for (int i = 0; i < SHERD_LEAF_SIZE; ++i) localNode[i] = 0;
   }
@@ -100,7 +100,7 @@ kernel void component_nodes(
 }
 
 // Returns the root of a node.  Ancestors only get lower, so path halving during the walk is safe.
-static inline uint root_of(volatile global uint* parent, uint node) {
+inline uint root_of(volatile global uint* parent, uint node) {
   uint up = atomic_add(&parent[node], 0u);
   while (up != node) {
     const uint next = atomic_add(&parent[up], 0u);
@@ -111,7 +111,7 @@ static inline uint root_of(volatile global uint* parent, uint node) {
   return node;
 }
 
-static inline void join(volatile global uint* parent, uint a, uint b) {
+inline void join(volatile global uint* parent, uint a, uint b) {
   for (;;) {
     a = root_of(parent, a);
     b = root_of(parent, b);

@@ -89,7 +89,7 @@ kernel void flood_seed(
 }
 
 // Returns the first label of a row that is not 0, or 0.
-static inline ushort first_of(const ushort8 row) {
+inline ushort first_of(const ushort8 row) {
   ushort all[8];
   vstore8(row, 0, all);
   for (int i = 0; i < 8; ++i) {
@@ -99,8 +99,8 @@ static inline ushort first_of(const ushort8 row) {
 }
 
 // Keeps some voxels of a leaf that is not mixed.
-static inline void load_unmixed(const ulong8 kept, const uint item, global ulong* owned, global uint* tag,
-                                global ulong* second) {
+inline void load_unmixed(const ulong8 kept, const uint item, global ulong* owned, global uint* tag,
+                         global ulong* second) {
   const uint old = tag[item];
   const ulong8 ofSecond = second_of(old, item, second) & kept;
   uint left = any_of(kept & ~ofSecond) ? old & 0xffff : 0;
@@ -173,8 +173,8 @@ kernel void flood_restart(FLOOD_STATE, const uint step)
 }
 
 // Finds the open voxels that are reached over faces.  `before` are the front copies of the previous step.
-static inline void arrive6(const struct flood* state, const global struct front* before, const ulong8 mine, const ulong8 open,
-                           struct arrival* arrival) {
+inline void arrive6(const struct flood* state, const global struct front* before, const ulong8 mine, const ulong8 open,
+                    struct arrival* arrival) {
   const global uint* const beside = state->neighbor + (size_t)arrival->leaf * SHERD_LEAF_FACES;
   ulong8 reached = slabs_neighbors(mine) & open;
 #pragma unroll
@@ -193,8 +193,8 @@ static inline void arrive6(const struct flood* state, const global struct front*
 }
 
 // The same over the 26 neighbors.
-static inline void arrive26(const struct flood* state, const global struct front* before, const ulong8 mine8,
-                            const ulong8 open, struct arrival* arrival) {
+inline void arrive26(const struct flood* state, const global struct front* before, const ulong8 mine8,
+                     const ulong8 open, struct arrival* arrival) {
   const global uint* const beside = state->neighbors27 + (size_t)arrival->leaf * 27;
   ulong mine[SHERD_LEAF_WORDS];
   vstore8(mine8, 0, mine);
@@ -236,8 +236,8 @@ static inline void arrive26(const struct flood* state, const global struct front
 }
 
 // Returns an item's tag after what arrives over faces.  For a tag of two labels, sets `ofSecond`.
-static inline uint tag_arriving(const struct flood* state, const global struct front* before, const uint ownTag,
-                                const ulong8 mine, const ulong8 ownSecond, struct arrival* arrival) {
+inline uint tag_arriving(const struct flood* state, const global struct front* before, const uint ownTag,
+                         const ulong8 mine, const ulong8 ownSecond, struct arrival* arrival) {
   const ulong* const arrived = arrival->through;
   const uint* const source = arrival->source;
   const global ushort* const owner = state->owner;
@@ -280,7 +280,7 @@ static inline uint tag_arriving(const struct flood* state, const global struct f
 }
 
 // The same over 26 neighbors, where two labels make a leaf mixed.
-static inline uint tag_arriving26(const uint ownTag, const uint* source, const global struct front* before) {
+inline uint tag_arriving26(const uint ownTag, const uint* source, const global struct front* before) {
   uint newTag = ownTag;
   for (int k = 0; k < 27; ++k) {
     if (k == 13 || source[k] == SHERD_NO_LEAF) continue;
@@ -294,8 +294,8 @@ static inline uint tag_arriving26(const uint ownTag, const uint* source, const g
 // other label and writes reached voxels only: other work-items may access the rest of a row.
 #define FLOOD_NO_LABEL 0xffff
 
-static inline void take_labels(const struct flood* state, const global struct front* before, const ulong8 mine,
-                               const struct arrival* arrival) {
+inline void take_labels(const struct flood* state, const global struct front* before, const ulong8 mine,
+                        const struct arrival* arrival) {
   const uint* const source = arrival->source;
   const uint neighbors = state->neighbors;
   global ushort* restrict owners = state->owner + (size_t)arrival->item * SHERD_LEAF_SIZE;
@@ -349,8 +349,8 @@ static inline void take_labels(const struct flood* state, const global struct fr
 }
 
 // Gives the reached voxels their labels; returns the item's tag after it.
-static inline uint take(const struct flood* state, const global struct front* before, const ulong8 mine,
-                        struct arrival* arrival) {
+inline uint take(const struct flood* state, const global struct front* before, const ulong8 mine,
+                 struct arrival* arrival) {
   const uint item = arrival->item, ownTag = state->tag[item];
   const ulong8 ownSecond = second_of(ownTag, item, state->second);
   const uint newTag = state->neighbors == 26 ? tag_arriving26(ownTag, arrival->source, before)
@@ -369,7 +369,7 @@ static inline uint take(const struct flood* state, const global struct front* be
 }
 
 // Writes the step in which voxels were reached.
-static inline void write_cost(const struct arrival* arrival, global uint* cost) {
+inline void write_cost(const struct arrival* arrival, global uint* cost) {
   ulong words[SHERD_LEAF_WORDS];
   vstore8(arrival->reached, 0, words);
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {

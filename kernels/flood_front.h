@@ -11,12 +11,12 @@ struct front {
 };
 
 // Offset in `second` of an item's words of the second label on the faces of its front.
-static inline size_t second_faces(const uint item, const uint step) {
+inline size_t second_faces(const uint item, const uint step) {
   return (3 * (size_t)item + 1 + (step & 1)) * SHERD_LEAF_WORDS;
 }
 
 // Index in `owner` of the voxel at the lowest set bit of a word of an item's face k.
-static inline size_t label_at(const uint item, const int k, const ulong bits) {
+inline size_t label_at(const uint item, const int k, const ulong bits) {
   return (size_t)item * SHERD_LEAF_SIZE + offset_at_face(k, lowest_bit(bits));
 }
 
@@ -26,7 +26,7 @@ static constant uchar kBeside[26] = {4, 22, 10, 16, 12, 14, 0,  1,  2,  3,  5,  
 
 // Returns the voxels of a front that are 26-adjacent to the leaf at index `beside` of neighbors27, as bits of a word of
 // `face`.
-static inline ulong bordering(const int beside, const global ulong* face) {
+inline ulong bordering(const int beside, const global ulong* face) {
   const int i = beside / 9, j = beside / 3 % 3, k = beside % 3;
   ulong bits = i != 1 ? face[i >> 1] : j != 1 ? face[2 + (j >> 1)] : face[4 + (k >> 1)];
   if (i != 1 && j != 1) bits &= j == 0 ? SHERD_Y0 : SHERD_Y7;
@@ -57,8 +57,8 @@ struct next_items {
   uint count;
 };
 
-static inline struct next_items next_of(global uint* queued, global uint* list, global uint* listCount, const uint items,
-                                        const uint step) {
+inline struct next_items next_of(global uint* queued, global uint* list, global uint* listCount, const uint items,
+                                 const uint step) {
   struct next_items next;
   next.queued = queued;
   next.list = list + (size_t)(step & 1) * items;
@@ -68,7 +68,7 @@ static inline struct next_items next_of(global uint* queued, global uint* list, 
   return next;
 }
 
-static inline void flush_frontier(struct next_items* next) {
+inline void flush_frontier(struct next_items* next) {
   uint count = 0;
   for (uint i = 0; i < next->count; ++i) {
     const uint item = next->held[i];
@@ -80,15 +80,15 @@ static inline void flush_frontier(struct next_items* next) {
   for (uint i = 0; i < count; ++i) next->list[at + i] = next->held[i];
 }
 
-static inline void enqueue_if(const int condition, struct next_items* next, const uint item) {
+inline void enqueue_if(const int condition, struct next_items* next, const uint item) {
   FLOOD_FETCH_TO_WRITE(next->queued + item);
   next->held[next->count] = item;
   next->count += condition != 0;
 }
 
 // Writes the front of `item` in `step`; the voxels in `ofSecond` have the second label.
-static inline void write_front(const ulong8 reached, const ulong8 ofSecond, const uint item, const uint step, const uint tag,
-                               global struct front* fronts, global ulong* second) {
+inline void write_front(const ulong8 reached, const ulong8 ofSecond, const uint item, const uint step, const uint tag,
+                        global struct front* fronts, global ulong* second) {
   global struct front* const front = fronts + 2 * (size_t)item + (step & 1);
   front->step = step;
   front->tag = tag;
@@ -122,7 +122,7 @@ struct arrival {
   uint source[27];                  // [neighbors27 index] items that they come from, else SHERD_NO_LEAF
 };
 
-static inline struct arrival arrival_at(const uint item, const uint leaf, const uint step) {
+inline struct arrival arrival_at(const uint item, const uint leaf, const uint step) {
   struct arrival arrival;
   arrival.item = item;
   arrival.leaf = leaf;
@@ -136,8 +136,8 @@ static inline struct arrival arrival_at(const uint item, const uint leaf, const 
 }
 
 // Prefetches the state of the item `far`, and the fronts beside the item `near`.
-static inline void fetch_ahead(const struct flood* state, const global struct front* before, const uint far, const uint near,
-                               const uint step) {
+inline void fetch_ahead(const struct flood* state, const global struct front* before, const uint far, const uint near,
+                        const uint step) {
   const uint farLeaf = far % state->leafCount, nearLeaf = near % state->leafCount;
   FLOOD_FETCH(state->neighbor + (size_t)farLeaf * SHERD_LEAF_FACES);
   FLOOD_FETCH(state->beyond + (size_t)farLeaf * SHERD_LEAF_FACES);
@@ -151,8 +151,8 @@ static inline void fetch_ahead(const struct flood* state, const global struct fr
 
 // Makes the reached voxels the front of the item and queues the items it can reach next, itself if `selfLeft`.  Voxels
 // behind those that came through a face are owned already, so they queue no neighbor.
-static inline void publish(const struct flood* state, const struct arrival* arrival, const uint newTag, const int selfLeft,
-                           struct next_items* next) {
+inline void publish(const struct flood* state, const struct arrival* arrival, const uint newTag, const int selfLeft,
+                    struct next_items* next) {
   const uint item = arrival->item, leaf = arrival->leaf;
   write_front(arrival->reached, arrival->ofSecond, item, arrival->step, newTag, state->fronts, state->second);
   const global struct front* const front = state->fronts + 2 * (size_t)item + (arrival->step & 1);

@@ -23,18 +23,18 @@
 #define SHERD_Z7 0x8080808080808080ul  // bits with z == 7
 
 // Shift the bits of a slab by one voxel; bits that leave the leaf are dropped.
-static inline ulong moved_y_up(ulong w) { return w << 8; }
-static inline ulong moved_y_down(ulong w) { return w >> 8; }
-static inline ulong moved_z_up(ulong w) { return (w & ~SHERD_Z7) << 1; }
-static inline ulong moved_z_down(ulong w) { return (w & ~SHERD_Z0) >> 1; }
+inline ulong moved_y_up(ulong w) { return w << 8; }
+inline ulong moved_y_down(ulong w) { return w >> 8; }
+inline ulong moved_z_up(ulong w) { return (w & ~SHERD_Z7) << 1; }
+inline ulong moved_z_down(ulong w) { return (w & ~SHERD_Z0) >> 1; }
 
 // Returns the four in-slab neighbors of a slab's bits.
-static inline ulong slab_neighbors(ulong w) {
+inline ulong slab_neighbors(ulong w) {
   return moved_y_up(w) | moved_y_down(w) | moved_z_up(w) | moved_z_down(w);
 }
 
 // Returns what slab x of a leaf receives through face k from the neighbor's slab x (k >= 2), or from its adjacent slab.
-static inline ulong through_face(const int k, const ulong w) {
+inline ulong through_face(const int k, const ulong w) {
   switch (k) {
     case 2: return w >> 56;                 // -y: its y == 7 is beside our y == 0
     case 3: return w << 56;                 // +y
@@ -45,20 +45,20 @@ static inline ulong through_face(const int k, const ulong w) {
 }
 
 // Returns the union of the eight words.
-static inline ulong any_of(const ulong8 w) {
+inline ulong any_of(const ulong8 w) {
   const ulong4 a = w.lo | w.hi;
   const ulong2 b = a.lo | a.hi;
   return b.x | b.y;
 }
 
 // Returns the 6-neighbors of a leaf's bits within the leaf.
-static inline ulong8 slabs_neighbors(const ulong8 w) {
+inline ulong8 slabs_neighbors(const ulong8 w) {
   const ulong8 inSlab = w << 8 | w >> 8 | (w & ~SHERD_Z7) << 1 | (w & ~SHERD_Z0) >> 1;
   return inSlab | (ulong8)(0, w.s0123, w.s456) | (ulong8)(w.s1234, w.s567, 0);
 }
 
 // Returns the bits and their 26-neighbors within the leaf.
-static inline ulong8 slabs_dilated(const ulong8 w) {
+inline ulong8 slabs_dilated(const ulong8 w) {
   const ulong8 z = w | (w & ~SHERD_Z7) << 1 | (w & ~SHERD_Z0) >> 1;
   const ulong8 yz = z | z << 8 | z >> 8;
   return yz | (ulong8)(0, yz.s0123, yz.s456) | (ulong8)(yz.s1234, yz.s567, 0);
@@ -68,7 +68,7 @@ static inline ulong8 slabs_dilated(const ulong8 w) {
 // face.  So a voxel and its neighbor across the face have the same bit.
 #define SHERD_SLABS (ulong8)(0, 1, 2, 3, 4, 5, 6, 7)
 
-static inline ulong face_of(const int k, const ulong8 w) {
+inline ulong face_of(const int k, const ulong8 w) {
   switch (k) {
     case 0: return w.s0;
     case 1: return w.s7;
@@ -80,7 +80,7 @@ static inline ulong face_of(const int k, const ulong8 w) {
 }
 
 // Inverse of face_of: the voxels at face k of a word.
-static inline ulong8 at_face(const int k, const ulong face) {
+inline ulong8 at_face(const int k, const ulong face) {
   const ulong8 w = face;
   switch (k) {
     case 0: return (ulong8)(face, 0, 0, 0, 0, 0, 0, 0);
@@ -93,7 +93,7 @@ static inline ulong8 at_face(const int k, const ulong face) {
 }
 
 // Returns the offset of the voxel at a bit of a word of face k.
-static inline int offset_at_face(const int k, const int bit) {
+inline int offset_at_face(const int k, const int bit) {
   const int high = bit >> 3, low = bit & 7;
   switch (k >> 1) {
     case 0: return (k & 1 ? 7 << 6 : 0) | bit;
@@ -103,10 +103,10 @@ static inline int offset_at_face(const int k, const int bit) {
 }
 
 // Returns the index of the lowest set bit.
-static inline int lowest_bit(const ulong bits) { return 63 - (int)clz(bits & (~bits + 1)); }
+inline int lowest_bit(const ulong bits) { return 63 - (int)clz(bits & (~bits + 1)); }
 
 // Writes the mask of the voxels of a leaf that have this label.
-static inline void equal_mask(const global ushort* labels, const ushort label, ulong* mask) {
+inline void equal_mask(const global ushort* labels, const ushort label, ulong* mask) {
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     ulong word = 0;
     for (int i = 0; i < 64; ++i) word |= (ulong)(labels[(x << 6) + i] == label) << i;

@@ -5,20 +5,20 @@
 #define SHERD_LEAF_LABELS_H
 
 // Returns the tag with `label` added; label 0 adds nothing.
-static inline uint with_label(const uint tag, const uint label) {
+inline uint with_label(const uint tag, const uint label) {
   const uint low = tag & 0xffff, high = tag >> 16;
   if (label == 0 || label == low || label == high || tag == SHERD_TAG_MIXED) return tag;
   if (high != 0) return SHERD_TAG_MIXED;
   return low == 0 ? label : min(low, label) | max(low, label) << 16;
 }
 
-static inline int is_pair(const uint tag) { return tag >> 16 != 0 && tag != SHERD_TAG_MIXED; }
+inline int is_pair(const uint tag) { return tag >> 16 != 0 && tag != SHERD_TAG_MIXED; }
 
 // Offset in `second` of an item's voxels of the second label, in rows of eight words.
-static inline size_t second_voxels(const uint item) { return 3 * (size_t)item; }
+inline size_t second_voxels(const uint item) { return 3 * (size_t)item; }
 
 // Returns the union of the bits of a row.
-static inline ushort bits_of(const ushort8 row) {
+inline ushort bits_of(const ushort8 row) {
   const ushort4 a = row.lo | row.hi;
   const ushort2 b = a.lo | a.hi;
   return b.x | b.y;
@@ -27,7 +27,7 @@ static inline ushort bits_of(const ushort8 row) {
 static constant ushort8 kRowBits = (ushort8)(1, 2, 4, 8, 16, 32, 64, 128);
 
 // Writes the labels of a leaf that is not mixed, one row of eight voxels at a time.
-static inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const uint tag, global ushort* out) {
+inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const uint tag, global ushort* out) {
   const ushort low = (ushort)(tag & 0xffff), other = low ^ (ushort)(tag >> 16);
   ulong words[SHERD_LEAF_WORDS], seconds[SHERD_LEAF_WORDS];
   vstore8(mask, 0, words);
@@ -42,13 +42,13 @@ static inline void write_rows(const ulong8 mask, const ulong8 ofSecond, const ui
 }
 
 // Returns the voxels that have the second label of a tag of two.
-static inline ulong8 second_of(const uint tag, const uint item, const global ulong* second) {
+inline ulong8 second_of(const uint tag, const uint item, const global ulong* second) {
   return is_pair(tag) ? vload8(second_voxels(item), second) : (ulong8)(0);
 }
 
 // Writes the labels of a leaf's inside voxels, as a tag of two labels if `labels` is one.
-static inline void write_labels(const ulong* mask, const ushort* label, const uint labels, const uint item,
-                                global ushort* owner, global uint* tag, global ulong* second) {
+inline void write_labels(const ulong* mask, const ushort* label, const uint labels, const uint item,
+                         global ushort* owner, global uint* tag, global ulong* second) {
   if (!is_pair(labels)) {
     for (int row = 0; row < 64; ++row) {
       const ushort bits = (ushort)(mask[row >> 3] >> (8 * (row & 7)) & 0xff);
@@ -85,7 +85,7 @@ struct leaf_labels {
 };
 
 // Returns the label of a labeled voxel.
-static inline uint label_of(const struct leaf_labels* labels, const size_t item, const int v) {
+inline uint label_of(const struct leaf_labels* labels, const size_t item, const int v) {
   const uint tag = labels->tag[item];
   if (tag == SHERD_TAG_MIXED) return labels->owner[item * SHERD_LEAF_SIZE + v];
   if (!is_pair(tag)) return tag;

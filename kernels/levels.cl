@@ -58,15 +58,15 @@ struct levels {
 };
 #define LEVELS_MEMBERS inside, neighbors27, items, owned, offered, source, cost, claim, claimed
 
-static inline void enqueue(volatile global uint* queued, global uint* list, volatile global uint* control, const uint items,
-                           const uint item, const uint pass) {
+inline void enqueue(volatile global uint* queued, global uint* list, volatile global uint* control, const uint items,
+                    const uint item, const uint pass) {
   if (atomic_xchg(&queued[item], pass) == pass) return;
   const uint at = atomic_inc(&control[CONTROL_LIST + pass % 3]);
   list[(size_t)(pass & 1) * items + at] = item;
 }
 
 // Returns whether an item has inside voxels that are not owned.
-static inline int is_open(const global ulong* inside, const global ulong* owned, const uint leaf, const size_t item) {
+inline int is_open(const global ulong* inside, const global ulong* owned, const uint leaf, const size_t item) {
   ulong open = 0;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     open |= inside[(size_t)leaf * SHERD_LEAF_WORDS + x] & ~owned[item * SHERD_LEAF_WORDS + x];
@@ -85,7 +85,7 @@ kernel void levels_begin(LEVELS_STATE)
 }
 
 // Owns voxels at the start; they are the claim of pass 0.
-static inline void own(global ulong* owned, global ulong* claim, const size_t word, const ulong mask) {
+inline void own(global ulong* owned, global ulong* claim, const size_t word, const ulong mask) {
   owned[word] |= mask;
   claim[word] = owned[word];
 }
@@ -157,12 +157,12 @@ kernel void levels_seed(
 #define HALO 2
 #define HALO_SIDE 12
 
-static inline void clear_halo(ushort* halo) {
+inline void clear_halo(ushort* halo) {
   for (int i = 0; i < HALO_SIDE * HALO_SIDE; ++i) halo[i] = 0;
 }
 
 // Adds the voxels of neighbor k's mask that lie in the halo.
-static inline void add_to_halo(const global ulong* mask, const int k, ushort* halo) {
+inline void add_to_halo(const global ulong* mask, const int k, ushort* halo) {
   const int dx = k / 9 - 1, dy = k / 3 % 3 - 1, dz = k % 3 - 1;
   for (int x = dx < 0 ? 8 - HALO : 0; x < (dx > 0 ? HALO : 8); ++x) {
     const ulong word = mask[x];
@@ -176,12 +176,12 @@ static inline void add_to_halo(const global ulong* mask, const int k, ushort* ha
 }
 
 // Returns the eight bits of the row at x, y, shifted by z.
-static inline uint halo_row(const ushort* halo, const int x, const int y, const int z) {
+inline uint halo_row(const ushort* halo, const int x, const int y, const int z) {
   return (uint)halo[(x + HALO) * HALO_SIDE + y + HALO] >> (z + HALO) & 0xff;
 }
 
 // Returns the rows of slab x, one bit each, with a voxel of the halo at most two rows away.
-static inline uint rows_near(const ushort* halo, const int x) {
+inline uint rows_near(const ushort* halo, const int x) {
   uint rows = 0;
   for (int y = 0; y < HALO_SIDE; ++y) {
     uint any = 0;
@@ -192,12 +192,12 @@ static inline uint rows_near(const ushort* halo, const int x) {
 }
 
 // Returns whether steps lead out of a leaf to neighbor k; 6 steps lead over faces only.
-static inline int leads_to(const int k, const uint steps) {
+inline int leads_to(const int k, const uint steps) {
   return steps > 6 || (k % 3 != 1) + (k / 3 % 3 != 1) + (k / 9 != 1) <= 1;
 }
 
 // Returns the least bucket bound of a chain that is not below a distance.
-static inline uint bucket_above(const uint distance, const int kind, const uint stride) {
+inline uint bucket_above(const uint distance, const int kind, const uint stride) {
   if (kind != SHERD_EUCLIDEAN) return distance;  // the bounds are whole voxels
   // The least n with (n / stride)^2 >= distance, found bit by bit.
   ulong n = 0;
@@ -229,7 +229,7 @@ struct surroundings {
 };
 
 // Returns the threshold of a pass, from that of the last pass and what it took.
-static inline uint threshold_of(volatile global uint* control, const uint pass, const struct growth_rule* rule) {
+inline uint threshold_of(volatile global uint* control, const uint pass, const struct growth_rule* rule) {
   const uint last = (pass + 2) % 3;
   const uint before = control[CONTROL_THRESHOLD + ((pass + 1) & 1)];
   if (control[CONTROL_TAKEN + last]) return rule->chain ? before : before + rule->stride;
@@ -239,7 +239,7 @@ static inline uint threshold_of(volatile global uint* control, const uint pass, 
 }
 
 // Finds the voxels around an item that the last pass took; returns whether there are any.
-static inline int find_fresh(const struct levels* state, const uint pass, const uint steps, struct surroundings* around) {
+inline int find_fresh(const struct levels* state, const uint pass, const uint steps, struct surroundings* around) {
   const size_t lastItems = (size_t)((pass + 1) & 1) * state->items + state->item - state->leaf;
   int any = 0;
   for (int k = 0; k < 27; ++k) {
@@ -261,8 +261,8 @@ static inline int find_fresh(const struct levels* state, const uint pass, const 
 }
 
 // Returns the voxels of the row at x, y that step k reaches from voxels taken in the last pass, of those in `open`.
-static inline uint reached_by(const struct growth_rule* rule, const uint k, const struct surroundings* around, const int x,
-                              const int y, const uint open) {
+inline uint reached_by(const struct growth_rule* rule, const uint k, const struct surroundings* around, const int x,
+                       const int y, const uint open) {
   const int4 s = rule->step[k];
   uint reached = open & halo_row(around->fresh, x - s.x, y - s.y, -s.z);
   if (!reached || k < 26) return reached;
@@ -275,8 +275,8 @@ static inline uint reached_by(const struct growth_rule* rule, const uint k, cons
 }
 
 // Offers over a step to the voxel `at`.  The better offer stays.
-static inline void offer_over(const struct levels* state, const struct growth_rule* rule, const struct surroundings* around,
-                              const int4 step, const int4 at, ulong* offered, uint* least) {
+inline void offer_over(const struct levels* state, const struct growth_rule* rule, const struct surroundings* around,
+                       const int4 step, const int4 at, ulong* offered, uint* least) {
   const int4 from = at - step;
   const uint leaf = around->neighbor[((from.x >> 3) + 1) * 9 + ((from.y >> 3) + 1) * 3 + (from.z >> 3) + 1];
   const size_t there = (size_t)(state->item - state->leaf + leaf) * SHERD_LEAF_SIZE +
@@ -300,8 +300,8 @@ static inline void offer_over(const struct levels* state, const struct growth_ru
 }
 
 // Makes the offers of the voxels that the last pass took to an item's open voxels.
-static inline void make_offers(const struct levels* state, const struct growth_rule* rule, const struct surroundings* around,
-                               uint* least) {
+inline void make_offers(const struct levels* state, const struct growth_rule* rule, const struct surroundings* around,
+                        uint* least) {
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     const size_t word = (size_t)state->item * SHERD_LEAF_WORDS + x;
     const ulong openSlab = state->inside[(size_t)state->leaf * SHERD_LEAF_WORDS + x] & ~state->owned[word];
@@ -320,7 +320,7 @@ static inline void make_offers(const struct levels* state, const struct growth_r
 }
 
 // Takes an item's offers within the threshold; returns whether there were any.  `least`: of the offers that still wait.
-static inline int take_offers(const struct levels* state, const uint pass, const uint threshold, uint* least) {
+inline int take_offers(const struct levels* state, const uint pass, const uint threshold, uint* least) {
   ulong took = 0;
   *least = 0xffffffffu;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {

@@ -17,7 +17,7 @@
 
 // Returns a lower (side -1) or upper (side 1) bound of the distance from any voxel of a leaf to a seed.  Per axis no
 // voxel is farther than 3.5 from the center.
-static inline long leaf_bound(const struct sherd_metric* metric, const int4 center, const int4 seed, const int side) {
+inline long leaf_bound(const struct sherd_metric* metric, const int4 center, const int4 seed, const int side) {
   const long x = center.x - seed.x, y = center.y - seed.y, z = center.z - seed.z;
   long a[3];
   for (int i = 0; i < 3; ++i) {
@@ -50,8 +50,8 @@ struct farther {
 
 // |M (p - s)|^2 - |M (p - n)|^2 = |a|^2 - 2 (M^T a) (p - n), where a = M (s - n).
 //   lighter  by how much the weight of the other is greater
-static inline struct farther farther_than(const struct sherd_metric* metric, const int4 seed, const int4 other,
-                                          const long lighter, const int4 point) {
+inline struct farther farther_than(const struct sherd_metric* metric, const int4 seed, const int4 other,
+                                   const long lighter, const int4 point) {
   const long x = seed.x - other.x, y = seed.y - other.y, z = seed.z - other.z;
   struct farther f;
   f.slope[0] = -2 * x;
@@ -70,7 +70,7 @@ static inline struct farther farther_than(const struct sherd_metric* metric, con
   return f;
 }
 
-static inline int may_be_nearest(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s) {
+inline int may_be_nearest(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s) {
   if (metric->kind != SHERD_EUCLIDEAN) return leaf_bound(metric, seeds->center, seeds->seed[s], -1) <= seeds->bound;
   const struct farther f = farther_than(metric, seeds->seed[s], seeds->seed[seeds->near],
                                         seeds->weight[seeds->near] - seeds->weight[s], seeds->center);
@@ -80,7 +80,7 @@ static inline int may_be_nearest(const struct sherd_metric* metric, const struct
 }
 
 // Returns the box of a mask that is not empty, as its lowest and its highest voxel.
-static inline void mask_box(const ulong* mask, int4* low, int4* high) {
+inline void mask_box(const ulong* mask, int4* low, int4* high) {
   ulong all = 0;
   int first = SHERD_LEAF_WORDS, last = 0;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
@@ -96,17 +96,17 @@ static inline void mask_box(const ulong* mask, int4* low, int4* high) {
   *high = (int4)(last, (63 - (int)clz(all)) >> 3, 63 - (int)clz(row), 0);
 }
 
-static inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
+inline int is_set(const ulong* mask, const int v) { return (int)((mask[v >> 6] >> (v & 63)) & 1); }
 
 // Returns a voxel of a leaf, moved to the middle of its wall.
 //   way  [512*3] of the leaf
-static inline int4 middle_at(const int4 low, const int v, const global short* way) {
+inline int4 middle_at(const int4 low, const int v, const global short* way) {
   const int4 voxel = low + (int4)(v >> 6, (v >> 3) & 7, v & 7, 0);
   return NEAREST_VOXEL * voxel + (int4)(way[3 * v], way[3 * v + 1], way[3 * v + 2], 0);
 }
 
 // Returns the box of the points of a leaf's voxels, as its lowest and its highest point.
-static inline void point_box(const ulong* mask, const int4 low, const global short* way, int4* lowest, int4* highest) {
+inline void point_box(const ulong* mask, const int4 low, const global short* way, int4* lowest, int4* highest) {
   if (!way) {
     mask_box(mask, lowest, highest);
     *lowest = NEAREST_VOXEL * (low + *lowest);
@@ -124,9 +124,9 @@ static inline void point_box(const ulong* mask, const int4 low, const global sho
 }
 
 //   way  of the leaf, or null where points are centers
-static inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const global int4* seed,
-                                         const global long* weight, const uint first, const uint last, const ulong* mask,
-                                         const int4 origin, const global short* way) {
+inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, const global int4* seed,
+                                  const global long* weight, const uint first, const uint last, const ulong* mask,
+                                  const int4 origin, const global short* way) {
   const int4 middle = NEAREST_VOXEL * origin + 7 * NEAREST_VOXEL / 2;
   struct leaf_seeds seeds = {seed, weight, first, last, origin, middle, (int4)(0), first, LONG_MAX};
   if (metric->kind != SHERD_EUCLIDEAN) {
@@ -149,8 +149,8 @@ static inline struct leaf_seeds seeds_of(const struct sherd_metric* metric, cons
 
 // Compares a seed with the nearest seed so far of each voxel of a leaf.  Distances are relative to that of `near` if
 // Euclidean.
-static inline void compare_seed(const struct sherd_metric* metric, const int4 at, const long weight, const int4 low,
-                                const ulong* mask, long* best, ushort* label) {
+inline void compare_seed(const struct sherd_metric* metric, const int4 at, const long weight, const int4 low,
+                         const ulong* mask, long* best, ushort* label) {
   const long step[3] = {NEAREST_VOXEL * metric->row[2], NEAREST_VOXEL * metric->row[5],
                         NEAREST_VOXEL * metric->row[8]};  // a voxel along z: a column of the matrix
   for (int row = 0; row < 64; ++row) {
@@ -172,7 +172,7 @@ static inline void compare_seed(const struct sherd_metric* metric, const int4 at
 }
 
 // The same of Euclidean distances, relative to that of the seed `near`.
-static inline void compare_farther(const struct farther* f, const ushort own, const ulong* mask, long* best, ushort* label) {
+inline void compare_farther(const struct farther* f, const ushort own, const ulong* mask, long* best, ushort* label) {
   for (int row = 0; row < 64; ++row) {
     if (!((mask[row >> 3] >> (8 * (row & 7))) & 0xff)) continue;
     const long there = f->there + NEAREST_VOXEL * ((row >> 3) * f->slope[0] + (row & 7) * f->slope[1]);
@@ -188,8 +188,8 @@ static inline void compare_farther(const struct farther* f, const ushort own, co
 }
 
 // The same where points are the middles of walls: f is that of the leaf's lowest voxel.
-static inline void compare_middles(const struct farther* f, const ushort own, const ulong* mask, const global short* way,
-                                   long* best, ushort* label) {
+inline void compare_middles(const struct farther* f, const ushort own, const ulong* mask, const global short* way,
+                            long* best, ushort* label) {
   for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
     if (!is_set(mask, v)) continue;
     const int4 from = middle_at((int4)(0), v, way);
@@ -202,8 +202,8 @@ static inline void compare_middles(const struct farther* f, const ushort own, co
 }
 
 // The whole distance, as compare_seed, where points are the middles of walls.
-static inline void compare_seed_with_middles(const struct sherd_metric* metric, const int4 at, const long weight, const int4 low,
-                                             const ulong* mask, const global short* way, long* best, ushort* label) {
+inline void compare_seed_with_middles(const struct sherd_metric* metric, const int4 at, const long weight, const int4 low,
+                                      const ulong* mask, const global short* way, long* best, ushort* label) {
   for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
     if (!is_set(mask, v)) continue;
     const int4 from = middle_at(low, v, way) - at;
@@ -217,8 +217,8 @@ static inline void compare_seed_with_middles(const struct sherd_metric* metric, 
 
 // Compares a seed of a leaf with the nearest so far, see compare_seed.
 //   relative  distances to that of `near`; Euclidean ones only
-static inline void compare(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s, const int relative,
-                           const ulong* mask, const global short* way, long* best, ushort* label) {
+inline void compare(const struct sherd_metric* metric, const struct leaf_seeds* seeds, const uint s, const int relative,
+                    const ulong* mask, const global short* way, long* best, ushort* label) {
   const int4 at = seeds->seed[s];
   const long weight = seeds->weight[s];
   if (relative) {
@@ -237,7 +237,7 @@ static inline void compare(const struct sherd_metric* metric, const struct leaf_
 }
 
 // Copies a leaf's mask; returns the union of its words.
-static inline ulong load_mask(const global ulong* inside, ulong* mask) {
+inline ulong load_mask(const global ulong* inside, ulong* mask) {
   ulong any = 0;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) {
     mask[x] = inside[x];

@@ -15,7 +15,7 @@
 // Reference: tests/kernels/rough_test.cpp, bit for bit.
 
 // SplitMix64's finalizer, as in src/base/random.h.
-static inline ulong rough_mixed(ulong x) {
+inline ulong rough_mixed(ulong x) {
   x ^= x >> 30;
   x *= 0xbf58476d1ce4e5b9ul;
   x ^= x >> 27;
@@ -24,20 +24,20 @@ static inline ulong rough_mixed(ulong x) {
 }
 
 // Returns the values of a lattice point along x, y and z, 16 bits each.
-static inline ulong lattice_bits(const ulong seed, const int octave, const int i, const int j, const int k) {
+inline ulong lattice_bits(const ulong seed, const int octave, const int i, const int j, const int k) {
   const ulong key = (ulong)(uint)(i & 0xffff) | (ulong)(uint)(j & 0xffff) << 16 | (ulong)(uint)(k & 0xffff) << 32 |
                     (ulong)(uint)(octave & 0xffff) << 48;
   return rough_mixed(seed ^ rough_mixed(key + 0x9e3779b97f4a7c15ul));
 }
 
-static inline int lattice_value(const ulong bits, const int axis, const int amplitude) {
+inline int lattice_value(const ulong bits, const int axis, const int amplitude) {
   const int value = (int)((bits >> (16 * axis)) & 0xffff) - 32768;
   return (int)(((long)value * amplitude) >> 15);
 }
 
 // Returns random bits for the shift of a lattice, 16 for each axis.  Unshifted lattices would all have a point, and so
 // zero slope, at the low corner of the box.
-static inline ulong lattice_shift(const ulong seed, const int octave) {
+inline ulong lattice_shift(const ulong seed, const int octave) {
   return rough_mixed(seed + ((ulong)(uint)(octave & 0xffff) << 48));
 }
 
@@ -46,7 +46,7 @@ struct lattice_steps {
   long along[3];
 };
 
-static inline struct lattice_steps steps_of(const long step, const long propagationStep, const int propagation) {
+inline struct lattice_steps steps_of(const long step, const long propagationStep, const int propagation) {
   struct lattice_steps steps;
   for (int axis = 0; axis < 3; ++axis) steps.along[axis] = axis == propagation ? propagationStep : step;
   return steps;
@@ -54,13 +54,13 @@ static inline struct lattice_steps steps_of(const long step, const long propagat
 
 // Returns the coordinate of a voxel's center in the lattice, in units of 2^-32 spacings: the high word is the cell, the
 // low word the position in it.
-static inline long in_lattice(const int voxel, const long step, const ulong shift, const int axis) {
+inline long in_lattice(const int voxel, const long step, const ulong shift, const int axis) {
   return voxel * step + (step >> 1) + (long)((shift >> (16 * axis)) & 0xffff) * 65536;
 }
 
 // Returns t^3 (6 t^2 - 15 t + 10) in units of 2^-31 (a multiple of 2^-24), for t in units of 2^-31.  Rounding is
 // downwards, to below 1.
-static inline int8 smooth_weights(const int8 t) {
+inline int8 smooth_weights(const int8 t) {
   const int8 t2 = mul_hi(t, t);                                              // 2^-30
   const int8 t3 = mul_hi(t2 << 1, t);                                        // 2^-30
   const int8 factor = 6 * (t2 >> 4) - 15 * ((t >> 5) + 1) + 10 * (1 << 26);  // 2^-26
@@ -68,8 +68,8 @@ static inline int8 smooth_weights(const int8 t) {
 }
 
 // Returns a + (b - a) * weight, rounded down, for a weight in units of 2^-31.
-static inline int4 blend4(const int4 a, const int4 b, const int4 weight) { return a + mul_hi((b - a) << 1, weight); }
-static inline int8 blend8(const int8 a, const int8 b, const int8 weight) { return a + mul_hi((b - a) << 1, weight); }
+inline int4 blend4(const int4 a, const int4 b, const int4 weight) { return a + mul_hi((b - a) << 1, weight); }
+inline int8 blend8(const int8 a, const int8 b, const int8 weight) { return a + mul_hi((b - a) << 1, weight); }
 
 // A leaf meets at most 5 lattice cells along an axis, and their 6 points.
 #define ROUGH_POINTS 6
@@ -82,7 +82,7 @@ struct lattice_span {
   int weight[8];  // of each voxel
 };
 
-static inline struct lattice_span span_of(const int voxel, const long step, const ulong shift, const int axis) {
+inline struct lattice_span span_of(const int voxel, const long step, const ulong shift, const int axis) {
   struct lattice_span span;
   long at = in_lattice(voxel, step, shift, axis);
   span.low = (int)(at >> 32);
@@ -98,7 +98,7 @@ static inline struct lattice_span span_of(const int voxel, const long step, cons
 }
 
 // Blends the lattice values `line` along z for a row of 8 voxels.
-static inline int8 blend_row(const int* line, const int cells, const int8 cell, const int8 weight) {
+inline int8 blend_row(const int* line, const int cells, const int8 cell, const int8 weight) {
   int8 low = (int8)(line[0]), high = (int8)(line[1]);
   for (int k = 1; k < cells; ++k) {
     const int8 beyond = cell >= k;  // all bits where true
@@ -109,8 +109,8 @@ static inline int8 blend_row(const int* line, const int cells, const int8 cell, 
 }
 
 // Adds an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.
-static inline void add_octave(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
-                              const int4 leafLow, int8* displacement) {
+inline void add_octave(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
+                       const int4 leafLow, int8* displacement) {
   const ulong shift = lattice_shift(seed, octave);
   const struct lattice_span alongX = span_of(leafLow.x, steps.along[0], shift, 0),
                             alongY = span_of(leafLow.y, steps.along[1], shift, 1),
@@ -151,7 +151,7 @@ static inline void add_octave(const ulong seed, const int octave, const struct l
 // The common label of voxels or leaves: 0 where they have none, ROUGH_SEVERAL where they differ.
 #define ROUGH_SEVERAL 0xffffu
 
-static inline uint label_of_both(const uint a, const uint b) { return a == b || b == 0 ? a : a == 0 ? b : ROUGH_SEVERAL; }
+inline uint label_of_both(const uint a, const uint b) { return a == b || b == 0 ? a : a == 0 ? b : ROUGH_SEVERAL; }
 
 kernel void rough_leaves(
     const global ulong* restrict inside,   // [leafCount*8]
@@ -200,10 +200,10 @@ kernel void rough_rings(
 }
 
 // Returns how many leaves away a walk can end for displacements in least..most (1/256 voxel).
-static inline int leaves_away(const int least, const int most) { return (max(-(least >> 8), most >> 8) + 7) / 8; }
+inline int leaves_away(const int least, const int most) { return (max(-(least >> 8), most >> 8) + 7) / 8; }
 
-static inline int least_of(const int4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
-static inline int most_of(const int4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
+inline int least_of(const int4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
+inline int most_of(const int4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
 // The least and the greatest displacement of a leaf's voxels along each axis, 1/256 voxel.
 struct displacement_bounds {
@@ -212,8 +212,8 @@ struct displacement_bounds {
 
 // Narrows bounds that include an octave by its amplitude to its range in the leaf.  Within a lattice cell the octave is
 // monotone along each axis, so its extremes are at the ends of the leaf or at the lattice points between.
-static inline void narrow_bounds(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
-                                 const int4 leafLow, struct displacement_bounds* bounds) {
+inline void narrow_bounds(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
+                          const int4 leafLow, struct displacement_bounds* bounds) {
   // The leaf may span more than two cells: their range is nearly the amplitude.
   if (7 * max(steps.along[0], max(steps.along[1], steps.along[2])) > (1l << 32)) return;
   const ulong shift = lattice_shift(seed, octave);
@@ -274,10 +274,10 @@ static inline void narrow_bounds(const ulong seed, const int octave, const struc
 }
 
 // Returns whether every walk from a leaf ends less than `rings` leaves away, as far as bounds of the octaves show.
-static inline bool walks_end_within(const int rings, const ulong seed, const global long* restrict step,
-                                    const global long* restrict propagationStep, const int propagation,
-                                    const global int* restrict amplitude, const int firstOctave, const int octaves,
-                                    const int4 leafLow) {
+inline bool walks_end_within(const int rings, const ulong seed, const global long* restrict step,
+                             const global long* restrict propagationStep, const int propagation,
+                             const global int* restrict amplitude, const int firstOctave, const int octaves,
+                             const int4 leafLow) {
   int sum = 0;
   for (int n = 0; n < octaves; ++n) sum += amplitude[n];
   struct displacement_bounds bounds;
@@ -297,8 +297,8 @@ static inline bool walks_end_within(const int rings, const ulong seed, const glo
 }
 
 // Returns the voxel, leaf*512 + offset, where a walk of displacement `way` ends.  `from` is an offset in `leaf`.
-static inline size_t walk_end(const global ulong* restrict inside, const global uint* restrict neighbor, const uint leaf,
-                              const int from, const int* way) {
+inline size_t walk_end(const global ulong* restrict inside, const global uint* restrict neighbor, const uint leaf,
+                       const int from, const int* way) {
   int steps[3], passed[3] = {0, 0, 0}, most = 0;
   for (int axis = 0; axis < 3; ++axis) {
     steps[axis] = (int)abs(way[axis]);
@@ -327,8 +327,8 @@ static inline size_t walk_end(const global ulong* restrict inside, const global 
 }
 
 // Returns the leaf i, j, k leaves away if all voxels of all leaves in the box between are inside, else SHERD_NO_LEAF.
-static inline uint leaf_straight_away(const global uint* restrict neighbors27, const global uint* restrict full,
-                                      const uint leaf, const int i, const int j, const int k) {
+inline uint leaf_straight_away(const global uint* restrict neighbors27, const global uint* restrict full,
+                               const uint leaf, const int i, const int j, const int k) {
   const int stepI = i < 0 ? 4 : 22, stepJ = j < 0 ? 10 : 16, stepK = k < 0 ? 12 : 14;
   uint alongX = leaf, alongY = leaf, alongZ = leaf;
   for (int a = 0; a <= (int)abs(i); ++a) {
@@ -350,8 +350,8 @@ static inline uint leaf_straight_away(const global uint* restrict neighbors27, c
 }
 
 // Writes the labels of a leaf that has no walk to another label.
-static inline void keep_labels(const global ulong* restrict inside, const struct leaf_labels* before, const size_t leaf,
-                               const size_t item, global ushort* restrict after) {
+inline void keep_labels(const global ulong* restrict inside, const struct leaf_labels* before, const size_t leaf,
+                        const size_t item, global ushort* restrict after) {
   for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
     const bool isInside = (inside[leaf * SHERD_LEAF_WORDS + (v >> 6)] >> (v & 63)) & 1;
     after[item * SHERD_LEAF_SIZE + v] = isInside ? (ushort)label_of(before, item, v) : 0;

@@ -21,14 +21,14 @@ struct leaf_position {
 
 // Returns by how much a position is beyond a crack, above 0 on the positive side: dot(normal, position) - offset, or
 // |position - center|^2 - offset.
-static inline long beyond_crack(const struct piece_cracks* cracks, const uint label, const long x, const long y, const long z) {
+inline long beyond_crack(const struct piece_cracks* cracks, const uint label, const long x, const long y, const long z) {
   const int4 n = cracks->plane[label], c = cracks->center[label];
   if (c.w != 1) return n.x * x + n.y * y + n.z * z - cracks->offset[label];
   return (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y) + (z - c.z) * (z - c.z) - cracks->offset[label];
 }
 
 // Returns the voxels of a leaf on the positive side of a label's plane, compared at their centers.
-static inline ulong8 positive_side_of_plane(const struct piece_cracks* cracks, const uint label, const int4 low) {
+inline ulong8 positive_side_of_plane(const struct piece_cracks* cracks, const uint label, const int4 low) {
   const int4 n = cracks->plane[label];
   const long start = beyond_crack(cracks, label, 64l * low.x, 64l * low.y, 64l * low.z);
   ulong side[SHERD_LEAF_WORDS];
@@ -47,7 +47,7 @@ static inline ulong8 positive_side_of_plane(const struct piece_cracks* cracks, c
 }
 
 // Returns the voxels of a leaf on the positive side of a label's crack.
-static inline ulong8 positive_side(const struct piece_cracks* cracks, const uint label, const struct leaf_position* leaf) {
+inline ulong8 positive_side(const struct piece_cracks* cracks, const uint label, const struct leaf_position* leaf) {
   const int kind = cracks->center[label].w;
   if (kind == 2 || (!leaf->way && kind == 0)) return positive_side_of_plane(cracks, label, leaf->low);
   ulong side[SHERD_LEAF_WORDS];
@@ -74,7 +74,7 @@ struct crack_bounds {
 };
 
 // Adds the least and the greatest square of a difference from c along an axis.
-static inline void add_squares(struct crack_bounds* bounds, const long low, const long high, const long c) {
+inline void add_squares(struct crack_bounds* bounds, const long low, const long high, const long c) {
   const long below = c - low, above = high - c;
   const long nearest = below < 0 ? -below : above < 0 ? -above : 0;
   const long farthest = max(below, above);
@@ -82,7 +82,7 @@ static inline void add_squares(struct crack_bounds* bounds, const long low, cons
   bounds->most += farthest * farthest;
 }
 
-static inline struct crack_bounds bounds_in_leaf(const struct piece_cracks* cracks, const uint label, const struct leaf_position* leaf) {
+inline struct crack_bounds bounds_in_leaf(const struct piece_cracks* cracks, const uint label, const struct leaf_position* leaf) {
   const int4 n = cracks->plane[label], c = cracks->center[label];
   const long reach = leaf->reach, side = 64 * 7 + 2 * reach;
   const long x = 64l * leaf->low.x - reach, y = 64l * leaf->low.y - reach, z = 64l * leaf->low.z - reach;
@@ -106,7 +106,7 @@ struct labeled {
 };
 
 // Splits voxels of one label: the rest keeps it, and `added` gets those on the positive side.
-static inline struct labeled split_voxels(const struct piece_cracks* cracks, const struct leaf_position* leaf, struct labeled* kept) {
+inline struct labeled split_voxels(const struct piece_cracks* cracks, const struct leaf_position* leaf, struct labeled* kept) {
   struct labeled added = {(uint)cracks->plane[kept->label].w, (ulong8)(0)};
   if (added.label == 0) return added;
   const struct crack_bounds bounds = bounds_in_leaf(cracks, kept->label, leaf);
@@ -118,8 +118,8 @@ static inline struct labeled split_voxels(const struct piece_cracks* cracks, con
 }
 
 // Splits a leaf of one label or two.
-static inline void split_leaf(const struct piece_cracks* cracks, const ulong8 mask, const struct leaf_position* leaf, const uint item,
-                              global ushort* owner, global uint* tag, global ulong* second) {
+inline void split_leaf(const struct piece_cracks* cracks, const ulong8 mask, const struct leaf_position* leaf, const uint item,
+                       global ushort* owner, global uint* tag, global ulong* second) {
   const uint before = tag[item];
   struct labeled part[4] = {{before & 0xffff, mask}, {before >> 16, (ulong8)(0)}};
   if (is_pair(before)) {
@@ -158,22 +158,22 @@ static inline void split_leaf(const struct piece_cracks* cracks, const ulong8 ma
 }
 
 // Writes a label per inside voxel, and 0 outside.
-static inline void read_labels(const struct leaf_labels* labels, const ulong* mask, const size_t item, ushort* label) {
+inline void read_labels(const struct leaf_labels* labels, const ulong* mask, const size_t item, ushort* label) {
   for (int v = 0; v < SHERD_LEAF_SIZE; ++v) {
     label[v] = (mask[v >> 6] >> (v & 63)) & 1 ? (ushort)label_of(labels, item, v) : 0;
   }
 }
 
 // Returns the tag of labels per voxel.
-static inline uint tag_of(const ushort* label) {
+inline uint tag_of(const ushort* label) {
   uint found = 0;
   for (int v = 0; v < SHERD_LEAF_SIZE && found != SHERD_TAG_MIXED; ++v) found = with_label(found, label[v]);
   return found;
 }
 
 // Writes the labels of a leaf, where it has one as its tag.
-static inline void store_labels(const ulong* mask, const ushort* label, const uint item, global ushort* owner,
-                                global uint* tag, global ulong* second) {
+inline void store_labels(const ulong* mask, const ushort* label, const uint item, global ushort* owner,
+                         global uint* tag, global ulong* second) {
   const uint all = tag_of(label);
   if (all <= 0xffff) {
     tag[item] = all;
@@ -278,7 +278,7 @@ static constant ulong kBitsOfY[3] = {0xff00ff00ff00ff00ul, 0xffff0000ffff0000ul,
 static constant ulong kBitsOfZ[3] = {0xaaaaaaaaaaaaaaaaul, 0xccccccccccccccccul, 0xf0f0f0f0f0f0f0f0ul};
 
 // Adds the sums of a mask's voxels.
-static inline void add_sums(const ulong* mask, uint* sum) {
+inline void add_sums(const ulong* mask, uint* sum) {
   ulong all = ~0ul;
   for (int x = 0; x < SHERD_LEAF_WORDS; ++x) all &= mask[x];
   if (all == ~0ul) {
@@ -353,8 +353,8 @@ kernel void split_measure(
 }
 
 // Appends a pair of components, unless it is the last one.
-static inline void append_contact(const uint a, const uint b, uint* lastA, uint* lastB, const uint capacity,
-                                  volatile global uint* count, global uint* contact) {
+inline void append_contact(const uint a, const uint b, uint* lastA, uint* lastB, const uint capacity,
+                           volatile global uint* count, global uint* contact) {
   const uint low = min(a, b), high = max(a, b);
   if (low == *lastA && high == *lastB) return;
   *lastA = low;

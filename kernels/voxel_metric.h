@@ -21,12 +21,12 @@ struct sherd_metric {
 #ifdef __OPENCL_VERSION__
 
 // Returns row i of the matrix times a difference.
-static inline long sherd_row(const struct sherd_metric* metric, const int i, const long x, const long y, const long z) {
+inline long sherd_row(const struct sherd_metric* metric, const int i, const long x, const long y, const long z) {
   return metric->row[3 * i] * x + metric->row[3 * i + 1] * y + metric->row[3 * i + 2] * z;
 }
 
 // Returns the distance for a transformed difference with absolute values a, b, c; monotone in each.
-static inline long sherd_norm(const int kind, const long a, const long b, const long c) {
+inline long sherd_norm(const int kind, const long a, const long b, const long c) {
   if (kind == SHERD_EUCLIDEAN) return a * a + b * b + c * c;
   if (kind == SHERD_MANHATTAN) return a + b + c;
   return max(max(a, b), c);
@@ -34,7 +34,7 @@ static inline long sherd_norm(const int kind, const long a, const long b, const 
 
 // Calls max and abs instead of comparing: a compiler turns comparisons into llvm.smax and llvm.abs, which oclgrind does
 // not implement.
-static inline long sherd_distance(const struct sherd_metric* metric, const int x, const int y, const int z) {
+inline long sherd_distance(const struct sherd_metric* metric, const int x, const int y, const int z) {
   const long a = sherd_row(metric, 0, x, y, z), b = sherd_row(metric, 1, x, y, z),
              c = sherd_row(metric, 2, x, y, z);
   return sherd_norm(metric->kind, (long)abs(a), (long)abs(b), (long)abs(c));
