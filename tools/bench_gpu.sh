@@ -89,7 +89,7 @@ for device in "${devices[@]}"; do
   esac
   code=0 processes=()
   for ((shard = 0; shard < shards; ++shard)); do
-    GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$shard SHERD_REQUIRE_OPENCL=1 SHERD_TEST_DEVICE=$device \
+    GTEST_TOTAL_SHARDS=$shards GTEST_SHARD_INDEX=$shard SHERD_REQUIRE_OPENCL=1 SHERD_TEST_DEVICE=$device SHERD_PROPERTY_CASES=60 \
       timeout $((seconds / 3 / ${#devices[@]} + 1)) "$tests" --gtest_brief=1 --gtest_filter="$filter" > "$work/tests.$shard" 2>&1 &
     processes+=($!)
   done

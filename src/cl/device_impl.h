@@ -55,7 +55,7 @@ class DeviceImpl {
   virtual void copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) = 0;
 
   /// Passes memory to `use` that holds the same bytes: all at once, where it is the buffer itself,
-  /// as on a CPU, or kViewedBytes after the other.
+  /// as on a CPU, or kViewedBytes at a time.
   virtual void view(Allocation& from, std::size_t offset, std::size_t bytes,
                     const ViewedBytes& use) = 0;
 

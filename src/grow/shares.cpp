@@ -258,7 +258,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   const auto growFrom = [&](const std::vector<Seed>& from) {
     return std::move(grow(blocks, std::span(&from, 1), device, options.grow, progress).front());
   };
-  // Seeds that were moved, with middles of their own in walls.
+  // Seeds that were placed or moved, with middles of their own in walls.
   const auto apart = [&](std::vector<Seed> moved) {
     const std::shared_ptr<const WallMiddles> walls =
         options.grow.walls.empty() ? nullptr : options.grow.walls.front();
@@ -267,6 +267,7 @@ SeededLabels growWithShares(const Solid& solid, const VoxelComponents& component
   constexpr int kTriesBeforeCentering = 8;
   const DensityTest density(options.density, solid.frame, options.seed);
 
+  seeds = apart(std::move(seeds));
   Labels labels = growFrom(seeds);
   for (int i = 0; i < shares.balance; ++i) {
     seeds = apart(centeredSeeds(labels, std::move(seeds)));

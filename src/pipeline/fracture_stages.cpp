@@ -186,9 +186,6 @@ SeededLabels growFor(const FractureOptions& options, const Solid& solid,
   }
   const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds));
   grow.walls = {middlesFor(options, solid, fragments, walls, progress)};
-  if (grow.walls.front()) {
-    seeds = withDistinctMiddles(std::move(seeds), *solid.blocks, *grow.walls.front());
-  }
   return growWithShares(solid, components, std::move(seeds), device,
                         {grow, options.shares, seed, options.seeds.density.field.get()}, progress);
 }

@@ -132,12 +132,6 @@ std::shared_ptr<const WallMiddles> SolidWalls::middles(const Progress* progress)
   return middles_;
 }
 
-std::size_t SolidWalls::bytes() {
-  const std::lock_guard lock(found_);
-  return (normals_ ? normals_->size() * sizeof(glm::dmat3) : 0) +
-         (middles_ ? middles_->ways().size_bytes() : 0);
-}
-
 WaysAround::WaysAround(const WallMiddles* walls, const openvdb::Coord& origin)
     : walls_(walls), low_(origin.offsetBy(-8)) {
   leaf_.fill(LeafBlocks::kNone);

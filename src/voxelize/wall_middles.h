@@ -78,8 +78,6 @@ class SolidWalls {
 
   /// Bytes of what is found, for each leaf.
   static constexpr std::size_t kBytesOfALeaf = sizeof(glm::dmat3) + 512 * 3 * sizeof(std::int16_t);
-  /// Returns the bytes that what has been found takes.
-  [[nodiscard]] std::size_t bytes();
 
  private:
   std::mutex found_;
