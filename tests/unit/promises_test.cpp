@@ -80,7 +80,10 @@ int bodies(const TriangleMesh& mesh) {
   const MeshComponents components = meshComponents(mesh);
   std::vector<double> volumes(components.count);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    volumes[components.ofTriangle[t]] += volume({mesh.vertices, {mesh.triangles[t]}});
+    const glm::uvec3& corners = mesh.triangles[t];
+    const glm::dvec3 &a = mesh.vertices[corners.x], &b = mesh.vertices[corners.y],
+                     &c = mesh.vertices[corners.z];
+    volumes[components.ofTriangle[t]] += glm::dot(a, glm::cross(b, c)) / 6.0;
   }
   return static_cast<int>(
       std::count_if(volumes.begin(), volumes.end(), [](double v) { return v > 0; }));
