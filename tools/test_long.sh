@@ -36,6 +36,14 @@ OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitc
   --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,usd,graph,houdini,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
 
+echo "== each file compiled alone, which finds a header that is not included"
+tools/build.sh alone
+rm -r build/alone
+
+echo "== all unit and kernel tests with sanitizers"
+tools/build.sh asan sherd_tests sherd_kernel_tests
+tools/check_sanitized.sh
+
 echo "== fuzzing the readers, each for five minutes or SHERD_FUZZ_SECONDS"
 tools/build.sh asan sherd_fuzz
 tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz "${SHERD_FUZZ_SECONDS:-300}"
