@@ -64,6 +64,7 @@ echo "== the same bytes on every device, and the kernels with the least instruct
 tests/long/devices.py build/release/sherd
 tools/build.sh release sherd_kernel_tests
 SHERD_TEST_DEVICE=x86-64-v2 SHERD_PROPERTY_CASES=60 build/release/tests/sherd_kernel_tests --gtest_brief=1
+ctest --test-dir build/release -C Long --output-on-failure --no-tests=error -R '^kernels_on_rusticl_whole$'
 
 echo "== points against Debian's Point Cloud Library"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null
