@@ -33,7 +33,7 @@ VoxelSolid sparseRandom(int extent, unsigned percent, unsigned seed);
 VoxelSolid manyComponentsWithin(int extent);
 VoxelSolid checkerboard(int extent);
 
-/// Whether SHERD_TEST_SMALL=1: smaller cases, for simulated devices.
+/// Whether SHERD_TEST_SMALL=1: smaller cases, for simulated devices and slow drivers.
 bool small();
 
 /// The shapes that every kernel is tested on; small ones if small().
