@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 out=${1:-demo-pieces}
 
 tools/install_packages.sh build
-tools/build.sh release sherd_cli -- -DSHERD_TESTS=OFF -DSHERD_BENCH=OFF
+tools/build.sh release sherd_cli -- -DSHERD_TESTS=OFF -DSHERD_BENCH=OFF -DSHERD_GPL=ON
 build/release/sherd fracture data/amphora.ply -o "$out" --pieces 8 --seed 1
 echo "Eight pieces:  $out/fragments/*.vdb and $out/meshes/*.ply"
 echo "Their voxels:  $out/labels.rle"
