@@ -202,11 +202,18 @@ std::vector<Rule> growthRules() {
        "makes pieces small around its point with {growth} sequential: a count does nothing there "
        "without an energy, and merge nothing at all",
        {"growth"}},
-      {{"balance", "isolated"},
+      {{"balance"},
        Verdict::idle,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
-       "does nothing with {growth} sequential, whose pieces are connected and have no seeds",
+       "does nothing with {growth} sequential, whose pieces have no seeds",
        {"growth"}},
+      {{"isolated"},
+       Verdict::idle,
+       [](O o, U) {
+         return ruleOf(o.fracture.grow.growth).splits && o.fracture.grow.roughness.isZero();
+       },
+       "does nothing with {growth} sequential without {roughness}, whose pieces are connected",
+       {"growth", "roughness"}},
   };
 }
 

@@ -5,6 +5,7 @@ Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Nee
 """
 import json
 import os
+import pathlib
 
 import numpy as np
 import scipy.ndimage
@@ -245,6 +246,14 @@ class Sequential(CommandLine):
         for options, word in ((("--sampler", "halton"), "--sampler"), (("--balance", "2"), "--balance")):
             result = self.done("--growth", "sequential", *options, out=self.path(word))
             self.assertIn(f"{word} does nothing", result.stderr)
+        for rough in "0", "3":  # which tears pieces apart
+            said = set()
+            for kept in "keep", "regrow":
+                out = self.path(f"{kept}-{rough}")
+                result = self.done("--growth", "sequential", "--roughness", rough, "--isolated", kept, "--write", "labels", "--json", pieces=40, out=out)
+                self.assertEqual("--isolated does nothing" in result.stderr, rough == "0", result.stderr)
+                said.add(pathlib.Path(out, "labels.rle").read_bytes())
+            self.assertEqual(len(said), 1 if rough == "0" else 2)
         result = self.done("--split-tilt", "3", out=self.path("tilt"))
         self.assertIn("--split-tilt does nothing", result.stderr)
 
