@@ -15,6 +15,7 @@
 #include "base/option_names.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
+#include "mesh/edges.h"
 
 namespace sherd::cli {
 namespace {
@@ -71,15 +72,17 @@ Json inspectVdb(const fs::path& file) {
 
 Json inspectMesh(const fs::path& file) {
   const SourceMesh source = readMesh(file, {.maxMemory = freeMemory()}, &untilInterrupted());
-  const std::size_t open = openEdges(source.mesh);
+  const EdgeDefects edges = edgeDefects(source.mesh);
   const Box box = bounds(source.mesh);
   return {{"kind", "mesh"},
           {"sha256", source.sha256},
           {"vertices", source.mesh.vertices.size()},
           {"triangles", source.mesh.triangles.size()},
           {"degenerate_triangles", source.degenerateTriangles},
-          {"closed", open == 0},
-          {"open_edges", open},
+          {"closed", edges.unbalanced == 0},
+          {"boundary_edges", edges.boundary},
+          {"non_manifold_edges", edges.nonManifold},
+          {"misoriented_edges", edges.misoriented},
           {"components", meshComponents(source.mesh).count},
           {"area", area(source.mesh)},
           {"volume", volume(source.mesh)},

@@ -28,7 +28,7 @@ bool isSound(const MeshQuality& q) {
 void measureConvexity(FragmentMetrics& metrics, const TriangleMesh& oriented,
                       const EvaluateOptions& options, const Progress* progress) {
   if (!metrics.quality->closed) {
-    metrics.noConvexity = "the mesh is open; a closed one is needed";
+    metrics.noConvexity = "the mesh is open or inconsistently oriented; a closed one is needed";
     return;
   }
   try {
@@ -171,7 +171,8 @@ void addNotes(Evaluation& evaluation, const FragmentSet& set, const TriangleMesh
   if (evaluation.open > 0) {
     notes.push_back(
         fragmentsAre(evaluation.open) +
-        " open: volume and share are unreliable, convexity and overlap are not measured");
+        " open or inconsistently oriented: volume and share are unreliable, convexity and overlap "
+        "are not measured");
   }
   std::size_t inwards = 0, flat = 0;
   for (const FragmentMetrics& f : evaluation.fragments) {
@@ -184,7 +185,9 @@ void addNotes(Evaluation& evaluation, const FragmentSet& set, const TriangleMesh
                     " oriented inwards; convexity and fit use the flipped mesh");
   if (flat > 0) notes.push_back(fragmentsAre(flat) + " closed but without a convexity");
   if (!whole) return;
-  if (openEdges(*whole) > 0) notes.push_back("the intact mesh is open: its volume is not measured");
+  if (openEdges(*whole) > 0)
+    notes.push_back(
+        "the intact mesh is open or inconsistently oriented: its volume is not measured");
   const bool hasMeshes = std::any_of(set.fragments.begin(), set.fragments.end(), hasMesh);
   if (hasMeshes && !evaluation.fit.surfaceError) {
     notes.push_back(

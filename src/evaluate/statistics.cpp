@@ -293,8 +293,9 @@ void addNotes(FractureStatistics& result, const FragmentSet& set, const Meshes& 
       std::count_if(meshes.fragment.begin(), meshes.fragment.end(),
                     [&](std::size_t i) { return openEdges(set.fragments[i].mesh.mesh) > 0; });
   if (open > 0) {
-    notes.push_back(formatted("%zu fragments are open: volumes and shares are unreliable",
-                              static_cast<std::size_t>(open)));
+    notes.push_back(formatted(
+        "%zu fragments are open or inconsistently oriented: volumes and shares are unreliable",
+        static_cast<std::size_t>(open)));
   }
   if (!result.knownNeighbors) {
     notes.emplace_back("the meshes record no neighbors: cracks are found by distance");

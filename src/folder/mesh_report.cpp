@@ -121,7 +121,7 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
     if (count > 0) found += ", " + counted(count, what);
     clean &= count == 0;
   }
-  if (clean) found += ", closed and clean";
+  if (clean) found += ", closed, edge-manifold and consistently oriented";
 
   std::string done =
       std::string("filled by ") + names::of(names::kFill, report.fill) + ": " + report.fillReason;

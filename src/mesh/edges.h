@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cstdint>
 #include <numeric>
+#include <string>
 #include <vector>
 
 namespace sherd {
@@ -16,6 +17,19 @@ struct EdgeUse {
   std::uint32_t low = 0, high = 0;
   std::size_t forward = 0, backward = 0;  ///< triangles that use it from low to high, and reverse
 };
+
+/// Edges by what is wrong with them.
+struct EdgeDefects {
+  std::size_t boundary = 0;     ///< of one triangle
+  std::size_t nonManifold = 0;  ///< of more than two
+  std::size_t misoriented = 0;  ///< of two that use it in the same direction
+  std::size_t unbalanced = 0;   ///< openEdges: those of all kinds but non-manifold ones that are
+                                ///< used equally often in both directions
+};
+[[nodiscard]] EdgeDefects edgeDefects(const TriangleMesh& mesh);
+
+/// Returns "3 boundary edges and 1 misoriented edge"; empty if there are none.
+[[nodiscard]] std::string textOf(const EdgeDefects& defects);
 
 /// Calls visit(EdgeUse) for every edge, by lower vertex, then by higher.  Half edges are put into
 /// one bucket per lower vertex and sorted there, which is several times faster than sorting all of

@@ -244,16 +244,11 @@ Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
   MeshDefects& defects = out.defects;
   const auto countEdges = [&] {
     throwIfCancelled(progress);
-    std::size_t unbalanced = 0;
-    defects.boundaryEdges = defects.nonManifoldEdges = defects.misorientedEdges = 0;
-    forEachEdge(out.mesh, [&](const EdgeUse& edge) {
-      const std::size_t uses = edge.forward + edge.backward;
-      defects.boundaryEdges += uses == 1 ? 1u : 0u;
-      defects.nonManifoldEdges += uses > 2 ? 1u : 0u;
-      defects.misorientedEdges += uses == 2 && edge.forward != 1 ? 1u : 0u;
-      unbalanced += edge.forward != edge.backward ? 1u : 0u;
-    });
-    return unbalanced;
+    const EdgeDefects edges = edgeDefects(out.mesh);
+    defects.boundaryEdges = edges.boundary;
+    defects.nonManifoldEdges = edges.nonManifold;
+    defects.misorientedEdges = edges.misoriented;
+    return edges.unbalanced;
   };
   for (const glm::uvec3& t : mesh.triangles) defects.zeroAreaTriangles += areaOf(mesh, t) == 0.0;
   std::size_t unbalanced = countEdges();

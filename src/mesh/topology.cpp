@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "mesh/edges.h"
 
@@ -12,6 +15,31 @@ std::size_t openEdges(const TriangleMesh& mesh) {
   std::size_t count = 0;
   forEachEdge(mesh, [&](const EdgeUse& edge) { count += edge.forward != edge.backward; });
   return count;
+}
+
+EdgeDefects edgeDefects(const TriangleMesh& mesh) {
+  EdgeDefects defects;
+  forEachEdge(mesh, [&](const EdgeUse& edge) {
+    const std::size_t uses = edge.forward + edge.backward;
+    defects.boundary += uses == 1 ? 1u : 0u;
+    defects.nonManifold += uses > 2 ? 1u : 0u;
+    defects.misoriented += uses == 2 && edge.forward != 1 ? 1u : 0u;
+    defects.unbalanced += edge.forward != edge.backward ? 1u : 0u;
+  });
+  return defects;
+}
+
+std::string textOf(const EdgeDefects& defects) {
+  std::vector<std::string> kinds;
+  for (const auto& [count, kind] : {std::pair{defects.boundary, " boundary edge"},
+                                    std::pair{defects.nonManifold, " non-manifold edge"},
+                                    std::pair{defects.misoriented, " misoriented edge"}}) {
+    if (count > 0) kinds.push_back(std::to_string(count) + kind + (count == 1 ? "" : "s"));
+  }
+  std::string text;
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == kinds.size() ? " and " : ", ") + kinds[i];
+  return text;
 }
 
 std::size_t nonManifoldEdges(const TriangleMesh& mesh) {

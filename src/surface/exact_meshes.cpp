@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/cancel_flag.h"
+#include "mesh/edges.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
 #include "surface/crack_surface.h"
@@ -68,8 +69,8 @@ std::string obstacleOf(const Solid& solid) {
   if (solid.report.fill != Fill::winding && !solid.report.isThinnerThanVoxels) {
     return "the mesh is not filled by winding numbers";
   }
-  const std::size_t open = openEdges(solid.mesh->mesh);
-  if (open > 0) return "the mesh has " + std::to_string(open) + " open edges";
+  const EdgeDefects edges = edgeDefects(solid.mesh->mesh);
+  if (edges.unbalanced > 0) return "the mesh has " + textOf(edges);
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/edges.h"
 #include "mesh/joined.h"
 #include "voxelize/caps.h"
 #include "voxelize/exposed.h"
@@ -108,12 +109,17 @@ FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options) {
   if (mesh.caps.triangles.empty() && !mesh.mesh.triangles.empty()) {
     return {Fill::winding, "the mesh is closed"};
   }
+  const EdgeDefects edges = edgeDefects(mesh.mesh);
+  const std::string found =
+      edges.boundary > 0 ? "the mesh is open" : "the mesh has " + textOf(edges);
   const double encloses = enclosure(mesh);
   if (encloses < kEncloses) {
-    return {Fill::shell, "the mesh is open and encloses no volume: " + percent(1.0 - encloses) +
+    return {Fill::shell, found + " and encloses no volume: " + percent(1.0 - encloses) +
                              " of the directions behind its surface lead outside"};
   }
-  return {Fill::winding, "the mesh is open; its holes are closed where the winding number is 0.5"};
+  return {Fill::winding,
+          found + (edges.boundary > 0 ? "; its holes are closed where" : "; it is filled where") +
+              " the winding number is 0.5"};
 }
 
 double shellVoxels(const SolidOptions& options, double voxelSize) {

@@ -645,15 +645,27 @@ class Inspect(CommandLine):
     def test_mesh(self):
         report = self.report(self.ball)
         self.assertEqual((report["vertices"], report["triangles"]), (2 + 23 * 48, 2 * 23 * 48))
-        self.assertEqual((report["closed"], report["open_edges"], report["components"]), (True, 0, 1))
+        self.assertEqual((self.edges(report), report["components"]), ((True, 0, 0, 0), 1))
         self.assertAlmostEqual(report["volume"], 4 / 3 * math.pi, delta=0.05)
         for low, high in zip(report["box_min"], report["box_max"]):
             self.assertAlmostEqual(high - low, 2, delta=0.01)
 
-    def test_open_mesh(self):
+    @staticmethod
+    def edges(report):
+        return tuple(report[key] for key in ("closed", "boundary_edges", "non_manifold_edges", "misoriented_edges"))
+
+    def test_edges_have_their_kinds(self):
+        """A missing triangle, a flipped one, and a fin of two triangles of which one stands on an edge of the mesh."""
         v, f = sphere()
-        write_obj(self.path("open.obj"), (v, f[1:]))
-        self.assertEqual(self.report(self.path("open.obj"))["open_edges"], 3)
+        fin = [(f[0][0], f[0][1], len(v)), (f[0][1], len(v) + 1, len(v))]
+        for name, mesh, edges in (("open", (v, f[1:]), (False, 3, 0, 0)), ("flipped", (v, [f[0][::-1], *f[1:]]), (False, 0, 0, 3)),
+                                  ("fin", ([*v, (0, 0, 0), (0, 0.1, 0.2)], [*f, *fin]), (False, 3, 1, 0)),
+                                  ("double", (v, [*f, f[0], f[0][::-1]]), (True, 0, 3, 0))):
+            path = self.path(name + ".obj")
+            write_obj(path, mesh)
+            self.assertEqual(self.edges(self.report(path)), edges, name)
+        result = self.done("--surface", "exact", mesh=self.path("fin.obj"))
+        self.assertIn("fin.obj: the mesh has 3 boundary edges and 1 non-manifold edge, so the fragments", result.stderr)
 
     def test_what_a_fracture_wrote(self):
         self.done()

@@ -173,9 +173,9 @@ class Exact(CommandLine):
         open_mesh = self.path("open.obj")
         write_obj(open_mesh, (vertices, triangles[1:]))
         result = self.done("--surface", "exact", mesh=open_mesh)
-        self.assertIn("open.obj: the mesh has 3 open edges, so the fragments have the smooth surface instead of the exact one", result.stderr)
+        self.assertIn("open.obj: the mesh has 3 boundary edges, so the fragments have the smooth surface instead of the exact one", result.stderr)
         manifest = self.manifest()
-        self.assertEqual(manifest["exact_failure"], "the mesh has 3 open edges")
+        self.assertEqual(manifest["exact_failure"], "the mesh has 3 boundary edges")
         self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"smooth"})
 
     def test_adaptivity_is_for_the_smooth_surface_only(self):

@@ -116,7 +116,7 @@ TEST(Exact, OpenMeshesFallBackWithTheReason) {
   TriangleMesh mesh = shapes::ball(1.0, 3);
   mesh.triangles.pop_back();
   const FractureResult result = broken(mesh, exactOptions(3, 48));
-  EXPECT_EQ(result.exactFailure, "the mesh has 3 open edges");
+  EXPECT_EQ(result.exactFailure, "the mesh has 3 boundary edges");
   for (const Fragment& fragment : result.fragments) {
     EXPECT_EQ(fragment.meshedAs, Surface::smooth);
     EXPECT_EQ(openEdges(fragment.mesh), 0u);

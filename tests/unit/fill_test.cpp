@@ -236,6 +236,34 @@ TEST(Fill, WindingParityAndFloodAgreeOnCleanMeshes) {
   }
 }
 
+// Two boxes with one wall between them: its four edges have three faces each, and nothing is open.
+TEST(Fill, AWallWithinIsNotCalledOpen) {
+  TriangleMesh mesh;
+  for (const double x : {0.0, 1.0, 2.0}) {
+    for (const double y : {0.0, 1.0}) {
+      for (const double z : {0.0, 1.0}) mesh.vertices.emplace_back(x, y, z);
+    }
+  }
+  const auto quad = [&](unsigned a, unsigned b, unsigned c, unsigned d) {
+    mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
+  };
+  for (const unsigned v : {0u, 4u}) {  // of each box: y = 0 and 1, z = 0 and 1
+    quad(v, v + 4, v + 5, v + 1);
+    quad(v + 2, v + 3, v + 7, v + 6);
+    quad(v, v + 2, v + 6, v + 4);
+    quad(v + 1, v + 5, v + 7, v + 3);
+  }
+  quad(0, 1, 3, 2);
+  quad(8, 10, 11, 9);
+  EXPECT_EQ(chosenFill(searched(mesh), {}).reason, "the mesh is closed");
+  quad(4, 5, 7, 6);
+  EXPECT_EQ(chosenFill(searched(mesh), {}).reason,
+            "the mesh has 4 non-manifold edges; it is filled where the winding number is 0.5");
+  mesh.triangles.pop_back();
+  EXPECT_EQ(chosenFill(searched(mesh), {}).reason,
+            "the mesh is open; its holes are closed where the winding number is 0.5");
+}
+
 TEST(Fill, RulesAgreeOnRealMeshes) {
   const char* folder = std::getenv("SHERD_TEST_DATA");
   if (folder == nullptr) GTEST_SKIP() << "SHERD_TEST_DATA names no folder of meshes";
