@@ -13,11 +13,8 @@ import subprocess
 import sys
 import unittest
 
-import numpy as np
-
 import skipping
-from appearance_test import png
-from cli_test import SHERD, CommandLine, sphere, write_obj
+from cli_test import SHERD, CommandLine
 from manifests import load_schema
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
@@ -29,7 +26,7 @@ FOREIGN = set("""math/Mat3.h Mat3.h Coord.h version.h InteriorTest UNSIGNED_DIST
 meshopt_simplify KHR_texture_transform file_compression file_mem_bytes interior_polygons seam_points seam_polygons
 cl::Device::getDefault() MADV_POPULATE_WRITE closestPointOnTriangleToPoint
 bowl_001.vdb bowl_002.vdb a_1024p.binp a_3f_128r_0it.rle a_3f_128r_0it_2.binm a_3f_128r_0it_2_1024p.binp a_grid_128r.rle boundary_001_002
-bunny_closed_high_res.stl fractures_3_of_8.hdf5 data_val_dir matching_data_path""".split())
+bunny_closed_high_res.stl fractures_3_of_8.hdf5 data_val_dir matching_data_path UnitScaleFactor""".split())
 
 # The headers that the rows of "Who may include what" are about (docs/architecture.md).
 HEADERS = {
@@ -426,36 +423,10 @@ class Statements(unittest.TestCase):
 
 # --- Commands -----------------------------------------------------------------------------------------------------------------
 
-def write_two_objects(path):
-    with open(path, "w") as out:
-        first = 1
-        for name, x in (("cup", 0.0), ("plate", 4.0)):
-            vertices, triangles = sphere(12, 24, center=(x, 0, 0))
-            out.write(f"o {name}\n")
-            out.writelines(f"v {a:.9g} {b:.9g} {c:.9g}\n" for a, b, c in vertices)
-            out.writelines("f " + " ".join(str(i + first) for i in t) + "\n" for t in triangles)
-            first += len(vertices)
-
-
 class Readme(CommandLine):
     def prepare(self, folder):
-        """The files that the tour's commands name, small ones."""
-        (folder / "data").mkdir()
-        write_obj(folder / "data" / "ball.obj", sphere())
-        shutil.copy(os.path.join(os.environ["SHERD_DATA"], "amphora.ply"), folder / "data")
-        vertices, triangles = sphere(12, 24)
-        with open(folder / "scan.obj", "w") as out:
-            out.write("mtllib scan.mtl\nusemtl skin\n")
-            out.writelines(f"v {x:.9g} {y:.9g} {z:.9g}\nvt {x / 2 + 0.5:.5f} {y / 2 + 0.5:.5f}\n" for x, y, z in vertices)
-            out.writelines("f " + " ".join(f"{i + 1}/{i + 1}" for i in t) + "\n" for t in triangles)
-        (folder / "scan.mtl").write_text("newmtl skin\nKd 1 1 1\nmap_Kd skin.png\n")
-        (folder / "skin.png").write_bytes(png(np.full((4, 4, 3), 128, np.uint8)))
-        made = self.run_sherd("fracture", folder / "data" / "ball.obj", "-o", folder / "made", "--pieces", "1", "--resolution", "32", "--quiet")
-        self.assertEqual(made.returncode, 0, made.stderr)
-        shutil.move(folder / "made" / "fragments" / "ball_001.vdb", folder / "statue.vdb")
-        write_two_objects(folder / "kitchen.obj")
-        (folder / "vessels").mkdir()
-        write_obj(folder / "vessels" / "ball.obj", sphere(8, 16))
+        """What a fresh checkout has of the files that commands name."""
+        shutil.copytree(HERE / "data", folder / "data")
 
     def commands(self):
         tour = sections(text_of("docs/tour.md"))["Commands"].split("```")[1]
@@ -469,9 +440,11 @@ class Readme(CommandLine):
         self.assertEqual({c.split()[1] for c in commands}, set(COMMANDS) - {"merge"})
         for command in commands:
             with self.subTest(command=command):
-                arguments = command.replace("kitchen.glb", "kitchen.obj").split()[1:]
+                arguments = command.split()[1:]
                 if arguments[0] == "dataset":  # 177 fractures as written; here the first ten
                     arguments += ["--max-fragments", "20", "--resolution", "32"]
+                if arguments[:2] == ["fracture", "data/amphora.ply"]:
+                    arguments += ["--resolution", "64"]
                 result = self.run_sherd(*arguments, cwd=folder, timeout=300)
                 self.assertEqual(result.returncode, 0, result.stderr)
 
