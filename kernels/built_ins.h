@@ -93,4 +93,13 @@ SHERD_ATOMIC atomic_cmpxchg(SHERD_SHARED p, uint expected, const uint value) {
   return expected;
 }
 
+// What a kernel takes, for cmake/CompileKernels.cmake: ArgumentType in src/cl/kernel_launch.h.  1 is a buffer, 2 an integer,
+// 3 a floating-point number, 4 a structure, 5 a vector.  The classes are GCC's: 1 to 4 integers, 5 pointers, 8 and 12.
+struct sherd_parameter {
+  uint kind, bytes;
+};
+#define SHERD_KIND(class) ((class) == 5 ? 1 : (class) == 8 ? 3 : (class) == 12 ? 4 : (class) >= 1 && (class) <= 4 ? 2 : 5)
+#define SHERD_PARAMETER(list, name) \
+  {SHERD_KIND(__builtin_classify_type(((private struct list*)0)->name)), sizeof(((private struct list*)0)->name)}
+
 #endif

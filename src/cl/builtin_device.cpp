@@ -51,6 +51,7 @@ class BuiltinDevice : public DeviceImpl {
                                     [&](const auto& each) { return each.name == launch.kernel; });
     if (entry == kernels_.entries.end() || launch.arguments.size() > kMostArguments)
       throw Error(ErrorCode::internal, std::string("there is no kernel ") + launch.kernel);
+    checkArguments(launch, entry->parameters);
     std::array<void*, kMostArguments> arguments{};
     for (std::size_t i = 0; i < launch.arguments.size(); ++i) {
       const KernelArgument& argument = launch.arguments[i];

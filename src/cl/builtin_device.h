@@ -20,6 +20,7 @@ struct NativeKernels {
   struct Entry {
     std::string_view name;
     KernelEntry function;
+    std::span<const ArgumentType> parameters;  ///< as the compiler has them
   };
   std::string_view instructions;  ///< as -march has it: "x86-64-v3"
   std::string_view compiler;      ///< "clang 14.0.6"

@@ -9,6 +9,23 @@ namespace {
 
 cl::Buffer& bufferOf(Allocation& memory) { return static_cast<OpenClAllocation&>(memory).buffer; }
 
+// Gives a kernel one argument.  A driver that keeps no types of parameters may know their sizes.
+void setArgument(cl::Kernel& kernel, const KernelLaunch& launch, std::size_t index) {
+  const KernelArgument& argument = launch.arguments[index];
+  const auto number = static_cast<cl_uint>(index);
+  const cl_int failed =
+      argument.buffer != nullptr
+          ? ::clSetKernelArg(kernel(), number, sizeof(cl_mem), &bufferOf(*argument.buffer)())
+          : ::clSetKernelArg(kernel(), number, argument.type.bytes, argument.value);
+  if (failed == CL_INVALID_ARG_SIZE || failed == CL_INVALID_ARG_VALUE ||
+      failed == CL_INVALID_MEM_OBJECT) {
+    throw argumentError(launch, index,
+                        "does not take its argument, " + nameOf(argument.type) +
+                            ", with OpenCL error " + errorName(failed));
+  }
+  if (failed != CL_SUCCESS) throw cl::Error(failed, "clSetKernelArg");
+}
+
 // Runs `body`; errors of the OpenCL bindings become Error(device).
 template <class Body>
 auto checked(const DeviceInfo& device, const char* doing, Body&& body) {
@@ -24,8 +41,9 @@ auto checked(const DeviceInfo& device, const char* doing, Body&& body) {
 
 }  // namespace
 
-OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened, std::string source)
-    : device(std::move(opened)), source_(std::move(source)) {
+OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened, std::string source,
+                           std::span<const NativeKernels::Entry> compiled)
+    : device(std::move(opened)), source_(std::move(source)), compiled_(compiled) {
   info = std::move(described);
   if (info.platform == kPocl) {  // its compiler ends the process if it cannot write
     const KernelCache cache = poclCache();
@@ -45,11 +63,23 @@ void OpenClDevice::buildKernels() {
     program_ = std::async(std::launch::async, builtProgram, context, device, info, source_);
 }
 
-cl::Kernel& OpenClDevice::kernel(const char* name) {
+OpenClDevice::BuiltKernel& OpenClDevice::kernel(const char* name) {
   const auto found = kernels_.find(name);
   if (found != kernels_.end()) return found->second;
   buildKernels();
-  return kernels_.emplace(name, cl::Kernel(program_.get(), name)).first->second;
+  cl_int failed = CL_SUCCESS;
+  const cl_kernel made = ::clCreateKernel(program_.get()(), name, &failed);
+  if (failed == CL_INVALID_KERNEL_NAME)
+    throw Error(ErrorCode::internal, std::string("there is no kernel ") + name);
+  if (failed != CL_SUCCESS) throw cl::Error(failed, "clCreateKernel");
+  BuiltKernel built{cl::Kernel(made), {}};
+  const auto entry = std::find_if(compiled_.begin(), compiled_.end(),
+                                  [&](const auto& each) { return each.name == name; });
+  if (entry != compiled_.end())
+    built.parameters.assign(entry->parameters.begin(), entry->parameters.end());
+  else
+    built.parameters = parametersOf(built.kernel);
+  return kernels_.emplace(name, std::move(built)).first->second;
 }
 
 void OpenClDevice::launch(const KernelLaunch& launch) {
@@ -60,16 +90,11 @@ void OpenClDevice::launch(const KernelLaunch& launch) {
   const std::size_t items =
       std::max<std::size_t>(info.caveat.empty() ? std::min(launch.work, most) : launch.work, 1);
   checked(info, launch.kernel, [&] {
-    cl::Kernel& launched = kernel(launch.kernel);
-    cl_uint i = 0;
-    for (const KernelArgument& argument : launch.arguments) {
-      if (argument.buffer != nullptr)
-        launched.setArg(i++, bufferOf(*argument.buffer));
-      else
-        launched.setArg(i++, argument.bytes, argument.value);
-    }
+    BuiltKernel& built = kernel(launch.kernel);
+    checkArguments(launch, built.parameters);
+    for (std::size_t i = 0; i < launch.arguments.size(); ++i) setArgument(built.kernel, launch, i);
     queue.enqueueNDRangeKernel(
-        launched, cl::NullRange,
+        built.kernel, cl::NullRange,
         cl::NDRange((items + launch.group - 1) / launch.group * launch.group),
         cl::NDRange(launch.group));
   });

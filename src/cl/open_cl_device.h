@@ -4,8 +4,11 @@
 #include <array>
 #include <future>
 #include <map>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "cl/builtin_device.h"
 #include "cl/device_impl.h"
 #include "cl/open_cl.h"
 
@@ -18,9 +21,12 @@ struct OpenClAllocation : Allocation {
 
 class OpenClDevice : public DeviceImpl {
  public:
-  ///   source  of the kernels; empty for those that are embedded
-  ///   throws  Error(device) it cannot be opened
-  OpenClDevice(DeviceInfo described, cl::Device opened, std::string source = {});
+  ///   source    of the kernels; empty for those that are embedded
+  ///   compiled  the same kernels, with their parameters; empty where these are not known but from
+  ///             the driver, which has no sizes of structures
+  ///   throws    Error(device) it cannot be opened
+  OpenClDevice(DeviceInfo described, cl::Device opened, std::string source,
+               std::span<const NativeKernels::Entry> compiled);
 
   void buildKernels() override;
   void launch(const KernelLaunch& launch) override;
@@ -43,16 +49,24 @@ class OpenClDevice : public DeviceImpl {
   bool hasHostMemory = true;
 
  private:
-  cl::Kernel& kernel(const char* name);
+  struct BuiltKernel {
+    cl::Kernel kernel;
+    std::vector<ArgumentType> parameters;
+  };
+  BuiltKernel& kernel(const char* name);
   std::shared_ptr<void> mapped(const cl::Buffer& buffer, cl_map_flags use, std::size_t offset,
                                std::size_t bytes);
   std::byte* stage(std::size_t index);
 
   std::string source_;
+  std::span<const NativeKernels::Entry> compiled_;
   std::array<std::shared_ptr<void>, 2> stages_;
   std::shared_future<cl::Program> program_;  // contains all kernels
-  std::map<std::string, cl::Kernel, std::less<>> kernels_;
+  std::map<std::string, BuiltKernel, std::less<>> kernels_;
 };
+
+/// Returns the parameters of a built kernel, of unknown types where the driver keeps none.
+[[nodiscard]] std::vector<ArgumentType> parametersOf(const cl::Kernel& kernel);
 
 /// Builds the kernels as one program.
 ///   source  empty for those that are embedded

@@ -72,6 +72,9 @@ SHERD_CL(cl_int, clGetProgramBuildInfo,
 SHERD_CL(cl_int, clRetainProgram, (cl_program a), (a))
 SHERD_CL(cl_int, clReleaseProgram, (cl_program a), (a))
 SHERD_CL(cl_kernel, clCreateKernel, (cl_program a, const char* b, cl_int* c), (a, b, c))
+SHERD_CL(cl_int, clGetKernelArgInfo,
+         (cl_kernel a, cl_uint b, cl_kernel_arg_info c, size_t d, void* e, size_t* f),
+         (a, b, c, d, e, f))
 SHERD_CL(cl_int, clSetKernelArg, (cl_kernel a, cl_uint b, size_t c, const void* d), (a, b, c, d))
 SHERD_CL(cl_int, clRetainKernel, (cl_kernel a), (a))
 SHERD_CL(cl_int, clReleaseKernel, (cl_kernel a), (a))

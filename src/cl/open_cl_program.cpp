@@ -64,9 +64,10 @@ cl::Program builtProgram(const cl::Context& context, const cl::Device& device,
   try {
     cl::Program program(context, source);
     // The bindings' build() queries the log at once and throws the error of that query.  -w: PoCL
-    // prints the number of warnings.
+    // prints the number of warnings.  -cl-kernel-arg-info: parametersOf.
     const cl_device_id id = device();
-    const cl_int failed = ::clBuildProgram(program(), 1, &id, "-cl-std=CL1.2 -w", nullptr, nullptr);
+    const cl_int failed = ::clBuildProgram(
+        program(), 1, &id, "-cl-std=CL1.2 -w -cl-kernel-arg-info", nullptr, nullptr);
     if (failed != CL_SUCCESS) throw buildError(info, buildLog(program, device), failed);
     return program;
   } catch (const cl::Error& e) {

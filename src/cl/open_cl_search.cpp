@@ -44,7 +44,12 @@ DeviceFound described(const cl::Device& device, const std::string& platform) {
   found.info.caveat = caveatOf(found.info.name);
   found.driver = text(device.getInfo<CL_DRIVER_VERSION>());
   found.fault = faultOf(device);
-  found.open = [info = found.info, device] { return std::make_unique<OpenClDevice>(info, device); };
+  found.open = [info = found.info, device] {
+    const std::span<const NativeKernels> compiled = nativeKernels();
+    return std::make_unique<OpenClDevice>(
+        info, device, std::string(),
+        compiled.empty() ? std::span<const NativeKernels::Entry>() : compiled.front().entries);
+  };
   return found;
 }
 

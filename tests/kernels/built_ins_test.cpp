@@ -14,9 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cl/builtin_device.h"
-#include "cl/open_cl_device.h"
 #include "device_fixture.h"
+#include "devices_here.h"
 
 namespace sherd {
 
@@ -24,25 +23,6 @@ std::span<const NativeKernels> builtInKernels();   // cmake/CompileKernels.cmake
 std::span<const std::string_view> builtInTexts();  // cmake/EmbedKernels.cmake
 
 namespace {
-
-// The devices here, with the kernels of this test.
-std::vector<std::shared_ptr<DeviceImpl>> testDevices() {
-  std::vector<std::shared_ptr<DeviceImpl>> devices;
-  for (const NativeKernels& kernels : builtInKernels()) {
-    const DeviceFound found = describedBuiltin(kernels, std::uint64_t{1} << 32);
-    if (found.fault.empty()) devices.push_back(found.open());
-  }
-  for (const PlatformFound& platform : openClPlatforms()) {
-    for (const DeviceFound& found : platform.devices) {
-      if (!found.fault.empty()) continue;
-      const auto open = found.open();
-      const auto& opened = dynamic_cast<OpenClDevice&>(*open);
-      devices.push_back(std::make_shared<OpenClDevice>(found.info, opened.device,
-                                                       std::string(builtInTexts().front())));
-    }
-  }
-  return devices;
-}
 
 // Numbers at the ends of the range, around zero, and at random.
 template <class T>
@@ -73,7 +53,8 @@ class BuiltIns : public testing::Test {
   // Runs `check` on each device.
   template <class Check>
   void onEach(Check&& check) {
-    static const auto* const devices = new std::vector(testDevices());  // drivers may crash at exit
+    static const auto* const devices = new std::vector(devicesWith(
+        builtInKernels(), std::string(builtInTexts().front())));  // drivers may crash at exit
     if (devices->empty() && deviceRequired()) FAIL() << "no device here";
     if (devices->empty()) GTEST_SKIP() << "no device here";
     for (const auto& device : *devices) {
