@@ -73,8 +73,8 @@ tools/check_pcl.sh build/release/sherd
 echo "== a thousand million voxels"
 tests/long/large.py build/release/sherd
 
-echo "== an option added as one row"
-tests/long/option_row.py
+echo "== the option, the growth rule and the mesh format of CONTRIBUTING.md"
+tests/long/contributing.py
 
 echo "== a dataset run on Slurm"
 tests/long/slurm.sh build/release/sherd

@@ -8,16 +8,19 @@ import functools
 import os
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 import unittest
 
 import skipping
-from cli_test import SHERD, CommandLine
+from cli_test import SHERD, CommandLine, sphere, write_obj
 from manifests import load_schema
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(HERE / "tests"))
+import recipes  # noqa: E402
 ROOT = pathlib.Path(os.environ.get("SHERD_DOCUMENTS", HERE))
 COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "view", "options", "devices", "doctor")
 
@@ -421,7 +424,75 @@ class Statements(unittest.TestCase):
         self.assertIn("GPL-3.0-or-later" if linked else "Apache-2.0", printed)
 
 
+# --- Examples -----------------------------------------------------------------------------------------------------------------
+
+class Recipes(unittest.TestCase):
+    """CONTRIBUTING.md's examples, as far as no build is needed: tests/CMakeLists.txt builds their new files, tests/long/contributing.py all."""
+
+    def test_every_block_has_its_place(self):
+        changed = {}
+        for block in recipes.blocks(text_of("CONTRIBUTING.md")):
+            with self.subTest(file=block.file, where=block.where):
+                if block.how == "new":
+                    self.assertFalse((ROOT / block.file).exists())
+                    continue
+                changed[block.file] = recipes.edited(changed.get(block.file, text_of(block.file)), block)
+        self.assertGreater(len(changed), 8)
+
+    def test_a_block_without_a_place_is_found(self):
+        document = "## Add a thing\n\n*src/a.cpp*, a new file:\n\n```cpp\nint a;\n```\n\n`src/b.cpp`, before `x`:\n\n```cpp\ny\n```\n"
+        self.assertEqual([(b.file, b.how, b.where, b.text) for b in recipes.blocks(document)],
+                         [("src/a.cpp", "new", "", "int a;\n"), ("src/b.cpp", "before", "x", "y\n")])
+        self.assertEqual(recipes.edited("1\n 2x\n3\n", recipes.blocks(document)[1]), "1\ny\n 2x\n3\n")
+        for text, block in (("xx", recipes.blocks(document)[1]), ("", recipes.blocks(document)[1])):
+            self.assertRaises(SystemExit, recipes.edited, text, block)
+        self.assertRaises(SystemExit, recipes.blocks, document.replace("before", "near"))
+
+
 # --- Commands -----------------------------------------------------------------------------------------------------------------
+
+@functools.cache
+def written_commands():
+    """[(page, words)] of every command in a block of code, but for synopses."""
+    found = []
+    for page in pages():
+        for block in re.findall(r"^```\w*\n(.*?)^```", text_of(page), flags=re.S | re.M):
+            for line in re.findall(r"^sherd (?!.*(?:\[|DIR|PATH| \| )).*", block, flags=re.M):
+                found.append((page, shlex.split(line, comments=True)[1:]))
+    return found
+
+
+class Commands(CommandLine):
+    def test_options_of_commands_exist(self):
+        self.assertGreater(len(written_commands()), 60)
+        for page, words in written_commands():
+            with self.subTest(page=page, command=" ".join(words)):
+                self.assertIn(words[0], COMMANDS)
+                self.assertEqual([w for w in words if w.startswith("--") and w.split("=")[0] not in helped(words[0])], [])
+
+    def test_commands_of_the_pages_run(self):
+        """On small files of the names that they have; the gallery's are run for its images, the tour's below."""
+        folder = pathlib.Path(self.tmp)
+        shutil.copytree(HERE / "data", folder / "data")
+        for name in "bowl.obj", "vessels/bowl.obj", "library/bowl.obj":
+            (folder / name).parent.mkdir(exist_ok=True)
+            write_obj(folder / name, sphere(8, 16))
+        shutil.copy(folder / "data" / "amphora.ply", folder / "vase.ply")
+        write_obj(folder / "ring.obj", ([(-1, 0.2, -1), (1, 0.2, -1), (1, 0.2, 1), (-1, 0.2, 1)], [(0, 1, 2), (0, 2, 3)]))
+        ran = set()
+        for page, words in written_commands():
+            if page in ("docs/tour.md", "docs/gallery.md", "docs/paper.md") or "/history/" in page or "/scratch/fragments" in words:
+                continue
+            small = ["--max-fragments", "4"] if words[0] == "dataset" and "--repeats" not in words else []
+            if "--resolution" not in words:
+                small += ["--resolution", "32"]
+            words = ["2" if w == "10" else "2..2" if w == "10..10" else "1/1" if w == "3/8" else w for w in words]
+            words[words.index("-o") + 1] += "-" + pathlib.Path(page).stem
+            with self.subTest(page=page, command=" ".join(words)):
+                result = self.run_sherd(*words, *small, cwd=folder, timeout=300)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                ran.add(page)
+        self.assertEqual(ran, {f"docs/{page}.md" for page in ("blender", "cli", "growth", "houdini", "materials", "training")})
 
 class Readme(CommandLine):
     def prepare(self, folder):

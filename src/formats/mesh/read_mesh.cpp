@@ -42,18 +42,20 @@ namespace fs = std::filesystem;
 constexpr std::size_t kLargestUnpacked = std::size_t{1}
                                          << 33;  // a small .gz can unpack to any number of zeros
 
+constexpr std::pair<std::string_view, MeshFormat> kFormats[] = {
+    {".obj", MeshFormat::obj},     {".ply", MeshFormat::ply},   {".stl", MeshFormat::stl},
+    {".off", MeshFormat::off},     {".gltf", MeshFormat::gltf}, {".glb", MeshFormat::glb},
+    {".binm", MeshFormat::binm},   {".fbx", MeshFormat::fbx},   {".dae", MeshFormat::dae},
+    {".3mf", MeshFormat::threeMf},
+};
+
+std::string extensions() {
+  std::string all;
+  for (const auto& [name, format] : kFormats) all.append(all.empty() ? "" : " ").append(name);
+  return all;
+}
+
 std::optional<MeshFormat> formatFromExtension(const std::string& extension) {
-  constexpr std::array<std::pair<std::string_view, MeshFormat>, 10> kFormats{
-      {{".obj", MeshFormat::obj},
-       {".ply", MeshFormat::ply},
-       {".stl", MeshFormat::stl},
-       {".off", MeshFormat::off},
-       {".gltf", MeshFormat::gltf},
-       {".glb", MeshFormat::glb},
-       {".binm", MeshFormat::binm},
-       {".fbx", MeshFormat::fbx},
-       {".dae", MeshFormat::dae},
-       {".3mf", MeshFormat::threeMf}}};
   for (const auto& [name, format] : kFormats)
     if (lowerCase(extension) == name) return format;
   return std::nullopt;
@@ -211,9 +213,8 @@ MeshFile unpacked(const fs::path& path, std::string& bytes, MemoryBudget& memory
   const std::optional<MeshFormat> format = formatFromExtension(name.extension);
   if (!format) {
     throw Error(ErrorCode::input, fileName + ": the extension '" + name.extension +
-                                      "' is not known; supported are .obj .ply .stl .off .gltf "
-                                      ".glb .binm .fbx .dae .3mf, and "
-                                      "each with .gz");
+                                      "' is not known; supported are " + extensions() +
+                                      ", and each with .gz");
   }
   MeshFile file{
       path,    fileName,

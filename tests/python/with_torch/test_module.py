@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 
+import documents
 import pytest
 from conftest import AMPHORA
 
@@ -49,3 +50,15 @@ def test_the_example_trains(tmp_path):
     result = subprocess.run([sys.executable, "-B", ROOT / "examples" / "python" / "train.py", tmp_path / "meshes", tmp_path / "meshes", "4"],
                             capture_output=True, text=True)  # fmt: skip
     assert result.returncode == 0 and '"chance": 0.' in result.stdout, result.stderr
+
+
+def test_the_block_of_the_documents(tmp_path, monkeypatch):
+    """As it is written but for its end, on small objects."""
+    monkeypatch.chdir(tmp_path)
+    for side in 1, 2:
+        documents.write_cube(tmp_path / "vessels" / f"cube{side}.obj", side)
+    block = documents.block_with("FractureDataset(")
+    line = next(line for line in block.splitlines() if "# no end" in line)
+    block = documents.replaced(documents.replaced(block, line, line + "\n    break"), "num_workers=4", "num_workers=2")
+    names = documents.run(documents.replaced(block, "resolution=64", "resolution=16"))
+    assert names["batch"]["fracture_surface_gt"].shape[0] == 16
