@@ -41,9 +41,7 @@ function(sherd_kernels_of result)
   if(failed)
     message(FATAL_ERROR "${SHERD_CLANG} cannot preprocess the kernels:\n${errors}")
   endif()
-  string(REGEX REPLACE "[][;]" " ; " text "${text}")  # brackets and semicolons take lists apart
-  string(REPLACE ";" " " text "${text}")
-  string(REGEX REPLACE "[ \t\r\n]+" " " text "${text}")
+  string(REGEX REPLACE "[][; \t\r\n]+" " " text " ${text}")  # brackets and semicolons take lists apart
   string(REGEX MATCHALL " (__)?kernel " words "${text}")
   string(REGEX MATCHALL " (__)?kernel void [A-Za-z0-9_]+ ?\\([^()]*\\)" found "${text}")
   list(LENGTH words count)

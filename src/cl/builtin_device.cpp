@@ -49,9 +49,14 @@ class BuiltinDevice : public DeviceImpl {
   void launch(const KernelLaunch& launch) override {
     const auto entry = std::find_if(kernels_.entries.begin(), kernels_.entries.end(),
                                     [&](const auto& each) { return each.name == launch.kernel; });
-    if (entry == kernels_.entries.end() || launch.arguments.size() > kMostArguments)
+    if (entry == kernels_.entries.end())
       throw Error(ErrorCode::internal, std::string("there is no kernel ") + launch.kernel);
     checkArguments(launch, entry->parameters);
+    if (launch.arguments.size() > kMostArguments)
+      throw Error(ErrorCode::internal, std::string("the kernel ") + launch.kernel + " has " +
+                                           std::to_string(launch.arguments.size()) +
+                                           " parameters, at most " +
+                                           std::to_string(kMostArguments) + " are passed");
     std::array<void*, kMostArguments> arguments{};
     for (std::size_t i = 0; i < launch.arguments.size(); ++i) {
       const KernelArgument& argument = launch.arguments[i];
