@@ -1,4 +1,5 @@
 // `sherd inspect`: describes a mesh, voxel file, level set or fracture.
+#include <sherd/evaluate.h>
 #include <sherd/files.h>
 #include <sherd/folder.h>
 #include <sherd/mesh.h>
@@ -15,7 +16,6 @@
 #include "base/option_names.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
-#include "mesh/edges.h"
 
 namespace sherd::cli {
 namespace {
@@ -72,18 +72,18 @@ Json inspectVdb(const fs::path& file) {
 
 Json inspectMesh(const fs::path& file) {
   const SourceMesh source = readMesh(file, {.maxMemory = freeMemory()}, &untilInterrupted());
-  const EdgeDefects edges = edgeDefects(source.mesh);
+  const MeshQuality quality = meshQuality(source.mesh);
   const Box box = bounds(source.mesh);
   return {{"kind", "mesh"},
           {"sha256", source.sha256},
           {"vertices", source.mesh.vertices.size()},
           {"triangles", source.mesh.triangles.size()},
           {"degenerate_triangles", source.degenerateTriangles},
-          {"closed", edges.unbalanced == 0},
-          {"boundary_edges", edges.boundary},
-          {"non_manifold_edges", edges.nonManifold},
-          {"misoriented_edges", edges.misoriented},
-          {"components", meshComponents(source.mesh).count},
+          {"closed", quality.closed},
+          {"boundary_edges", quality.boundaryEdges},
+          {"non_manifold_edges", quality.nonManifoldEdges},
+          {"misoriented_edges", quality.flippedEdges},
+          {"components", quality.components},
           {"area", area(source.mesh)},
           {"volume", volume(source.mesh)},
           {"box_min", jsonOf(box.min)},

@@ -202,6 +202,11 @@ std::vector<Rule> growthRules() {
        "makes pieces small around its point with {growth} sequential: a count does nothing there "
        "without an energy, and merge nothing at all",
        {"growth"}},
+  };
+}
+
+std::vector<Rule> splitRules() {
+  return {
       {{"balance"},
        Verdict::idle,
        [](O o, U) { return ruleOf(o.fracture.grow.growth).splits; },
@@ -403,8 +408,8 @@ std::vector<Rule> pointRules() {
 
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> kRules = joined(
-      {solidRules(), givenSeedRules(), seedRules(), growthRules(), sizeRules(), erosionRules(),
-       surfaceRules(), formatRules(), usdRules(), writeRules(), pointRules()});
+      {solidRules(), givenSeedRules(), seedRules(), growthRules(), splitRules(), sizeRules(),
+       erosionRules(), surfaceRules(), formatRules(), usdRules(), writeRules(), pointRules()});
   return kRules;
 }
 
