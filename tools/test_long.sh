@@ -159,6 +159,8 @@ tools/no_driver.sh build/release/sherd_*.deb
 echo "== the Python module: 10,000 fractures and objects, Python and pip alone, and its meshes in trimesh and manifold3d"
 SHERD_PYTHON_FRACTURES=10000 tools/test_python.sh -k memory
 tools/bare_python.sh build/python/wheel/*.whl
+echo "== 2000 damages of pickles"
+build/python/venv/bin/python -B tests/long/pickles.py 2000
 meshes=(data/amphora.ply)
 [ -z "${SHERD_TEST_DATA:-}" ] || for name in bunny.off armadillo.obj dragon.obj vase_goblet.stl 3DBenchy.ply boot.obj 99865_car.stl footbones.ply \
   ADIS16480.STL; do meshes+=("$SHERD_TEST_DATA/$name"); done

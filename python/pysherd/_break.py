@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 from typing import Any, Iterator
 
-from . import _core, _jobs, _options
-from ._errors import warn
+from . import _core, _jobs, _options, _state
+from ._errors import InputError, warn
 from ._fracture import Fracture, file_errors, folder_name
 from ._solid import DEVICE, Solid, checked_device, core_solid, fracture_options
 
@@ -28,8 +29,25 @@ def _pieces_and_seed(given: list[tuple[str, str]]) -> tuple[int, int]:
     return int(texts["pieces"]), int(texts["seed"])
 
 
-def broken_again(solid: Solid, given: list[tuple[str, str]]) -> Fracture:
-    return next(break_solid(solid._core, given, [_pieces_and_seed(given)], DEVICE, None))
+def broken_again(*state: Any) -> Fracture:
+    """Returns a fracture that was pickled."""
+    solid, sealed = _state.only("fracture", state, Solid, bytes)
+    content = _core.content_of("fracture", sealed)
+    with _state.restoring("fracture"):
+        options, identity = json.loads(content)
+        if identity != solid._identity:
+            raise InputError("this pickle of a fracture is damaged: it has the solid of another fracture")
+        given = [(name, text) for name, text in options]
+        _core.check_options(given)
+        return next(break_solid(solid._core, given, [_pieces_and_seed(given)], DEVICE, None))
+
+
+def loaded_again(*state: Any) -> Fracture:
+    """Returns a loaded fracture that was pickled: reads its folder."""
+    (sealed,) = _state.only("fracture", state, bytes)
+    content = _core.content_of("fracture", sealed)
+    with _state.restoring("fracture"):
+        return load(json.loads(content))
 
 
 @_options.documented(_options.ROWS)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 from functools import cached_property
 from typing import Any, Iterator, Sequence, overload
 
 import numpy as np
 
-from . import _core, _jobs, _options
+from . import _core, _jobs, _options, _state
 from ._errors import Error, FileError, UsageError, warn
 from ._fragment import Array, Contacts, Fragment, Points, SparseLabels
 from ._solid import Solid
@@ -21,7 +22,7 @@ class Fracture(Sequence[Fragment]):
 
     What is not read is not made: `labels` come from the growth alone; measures, contacts and points need no meshes where surfaces
     are the default ones; reading one mesh makes all.  It can be pickled: the pickle holds the solid and the options, and
-    unpickling breaks it again, to the same bits.
+    unpickling breaks it again, to the same bits; of a fracture that was loaded it holds the path.  A damaged pickle is an `InputError`.
     """
 
     def __init__(self, core: _core.Fracture, solid: Solid | None = None, options: _options.Options | None = None) -> None:
@@ -247,13 +248,13 @@ class Fracture(Sequence[Fragment]):
         return f"<pysherd.Fracture: {len(self)} fragments, seed {self.seed}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        from ._break import broken_again, load
+        from ._break import broken_again, loaded_again
 
         if isinstance(self._core, _core.LoadedPieces):
-            return load, (self._core.file,)
+            return loaded_again, (_state.sealed("fracture", json.dumps(self._core.file).encode()),)
         solid = self.solid
         assert solid is not None and isinstance(self._core, _core.GrownPieces)
-        return broken_again, (solid, self._core.given)
+        return broken_again, (solid, _state.sealed("fracture", json.dumps([self._core.given, solid._identity]).encode()))
 
 
 def file_errors(job: _core.Job, progress: _jobs.Progress | None, is_file: bool) -> Any:

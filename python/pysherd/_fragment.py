@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from . import _core, _state
+
 if TYPE_CHECKING:
     from ._fracture import Fracture
 
@@ -136,5 +138,17 @@ class Fragment:
     def __hash__(self) -> int:
         return hash((id(self._fracture), self._index))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _fragment_again, (self._fracture, _state.sealed("fragment", str(self._index).encode()))
+
     def __repr__(self) -> str:
         return f"<pysherd.Fragment {self.id}>"
+
+
+def _fragment_again(*state: Any) -> Fragment:
+    from ._fracture import Fracture
+
+    fracture, sealed = _state.only("fragment", state, Fracture, bytes)
+    content = _core.content_of("fragment", sealed)
+    with _state.restoring("fragment"):
+        return Fragment(fracture, range(len(fracture)).index(int(content)))

@@ -26,8 +26,7 @@ class Mesh(NamedTuple):
         if isinstance(self.given, str):
             return self.key
         if isinstance(self.given, Solid):
-            state = self.given._core.state
-            return repr((self.key, state["sha256"], state["own_voxel_size"], state["given"], self.given.shape))
+            return repr((self.key, self.given._identity, self.given.shape))
         arrays = self.given if isinstance(self.given, tuple) else (self.given,)
         return repr((self.key, *((a.shape, hashlib.blake2b(a, digest_size=8).hexdigest()) for a in arrays)))
 

@@ -6,10 +6,11 @@ import inspect
 import numbers
 import operator
 import os
+import pickle
 import re
 from typing import Any, Callable, Iterable, Iterator, List, Mapping, Tuple
 
-from . import _core
+from . import _core, _state
 from ._errors import UsageError, warn
 
 
@@ -195,6 +196,9 @@ class Options(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._options)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _options_again, (_state.sealed("options", pickle.dumps(self._options)),)
+
     def __repr__(self) -> str:
         return "Options(" + ", ".join(f"{k}={v!r}" for k, v in self._options.items()) + ")"
 
@@ -212,6 +216,13 @@ class Options(Mapping[str, Any]):
             else:
                 values[row.keyword] = _value_of(row, text)
         return cls(**values)
+
+
+def _options_again(*state: Any) -> Options:
+    (sealed,) = _state.only("options", state, bytes)
+    content = _core.content_of("options", sealed)
+    with _state.restoring("options"):
+        return Options(**pickle.loads(content))
 
 
 def _value_of(row: Row, text: str) -> Any:

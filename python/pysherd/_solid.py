@@ -8,7 +8,7 @@ from typing import Any, Iterable, Iterator
 
 import numpy as np
 
-from . import _core, _jobs, _options
+from . import _core, _jobs, _options, _state
 from ._errors import Error, FileError, UsageError, warn
 from ._inputs import object_of
 
@@ -19,8 +19,8 @@ _TOGETHER = 16  # fractures that grow at once
 class Solid:
     """An object as voxels, prepared once for any number of fractures; `voxelize` makes it.
 
-    It can be pickled: the pickle holds the mesh and the options, and unpickling voxelizes it again, to the same bits.  Textures and
-    materials, which only `Fracture.save` reads, are not kept.
+    It can be pickled: the pickle holds the options and all that was read of the mesh, textures and materials included, and unpickling
+    voxelizes it again, to the same bits.  A damaged pickle is an `InputError`.
 
     Attributes
     ----------
@@ -104,6 +104,11 @@ class Solid:
             for p, s in some:
                 _options.given({"pieces": p, "seed": s})
             yield from break_solid(self._core, given, some, device, progress)
+
+    @property
+    def _identity(self) -> str:
+        """What distinguishes it from other solids: what it was made of, how, and what came out."""
+        return repr(self._core.identity)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickled, (self._core.state,)
@@ -190,5 +195,8 @@ def voxelize(mesh: Any, *, device: str = DEVICE, progress: _jobs.Progress | None
     return Solid(core_solid(mesh, _options.given(options, _options.VOXELIZE, "voxelize"), device, progress))
 
 
-def _unpickled(state: dict[str, Any]) -> Solid:
-    return Solid(_jobs.finish(_core.voxelize(_core.object_of_state(state), state["given"], DEVICE)))
+def _unpickled(*state: Any) -> Solid:
+    (content,) = _state.only("solid", state, bytes)
+    obj, given = _core.object_of_state(content)
+    with _state.restoring("solid"):
+        return Solid(_jobs.finish(_core.voxelize(obj, given, DEVICE)))

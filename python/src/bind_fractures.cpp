@@ -4,7 +4,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <sherd/error.h>
 #include <sherd/render.h>
@@ -13,6 +12,7 @@
 
 #include "arrays.h"
 #include "fracture.h"
+#include "text.h"
 
 namespace pysherd {
 namespace {

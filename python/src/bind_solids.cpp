@@ -2,7 +2,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <sherd/error.h>
 #include <sherd/folder.h>
@@ -13,6 +12,7 @@
 #include "base/memory.h"
 #include "pickled.h"
 #include "solid.h"
+#include "text.h"
 
 namespace pysherd {
 namespace {
@@ -72,6 +72,13 @@ std::vector<std::string> warningsOf(const Solid& solid) {
   return warnings;
 }
 
+// What distinguishes it from other solids: what it was made of, how, and
+// what came out.
+nb::tuple identityOf(const Solid& s) {
+  return nb::make_tuple(s.source().sha256, s.ownVoxelSize(), s.given(), s.solid().voxels,
+                        s.solid().frame.voxelSize);
+}
+
 nb::tuple vectorOf(const glm::dvec3& v) { return nb::make_tuple(v.x, v.y, v.z); }
 
 }  // namespace
@@ -86,6 +93,7 @@ void bindSolids(nb::module_& module) {
   module.def("free_memory", sherd::freeMemory);
   nb::class_<Solid>(module, "Solid")
       .def_prop_ro("state", stateOf)
+      .def_prop_ro("identity", identityOf)
       .def_prop_ro("warnings", warningsOf)
       .def_prop_ro("given", &Solid::given)
       .def_prop_ro("name", [](const Solid& s) { return s.source().name; })

@@ -1,13 +1,14 @@
 // Exceptions of the library as Python's.
 #include "errors.h"
 
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <sherd/error.h>
 
 #include <exception>
 #include <new>
 #include <system_error>
+
+#include "text.h"
 
 namespace pysherd {
 namespace {

@@ -2,7 +2,6 @@
 #include "job.h"
 
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
 #include <sherd/error.h>
 #include <sys/eventfd.h>
 #include <tbb/task_arena.h>
@@ -23,6 +22,7 @@
 #include <vector>
 
 #include "process.h"
+#include "text.h"
 
 namespace pysherd {
 

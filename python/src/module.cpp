@@ -7,6 +7,7 @@
 #include "job.h"
 #include "options.h"
 #include "process.h"
+#include "sealed.h"
 #include "solid.h"
 #include "stream.h"
 
@@ -16,6 +17,7 @@ NB_MODULE(_core, module) {
   pysherd::bindProcess(module);
   pysherd::bindJobs(module);
   pysherd::bindOptions(module);
+  pysherd::bindSealed(module);
   pysherd::bindSolids(module);
   pysherd::bindFractures(module);
   pysherd::bindStreams(module);

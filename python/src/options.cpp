@@ -3,7 +3,6 @@
 
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/set.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <sherd/error.h>
 #include <sherd/files.h>
@@ -16,6 +15,7 @@
 
 #include "folder/read_manifest.h"
 #include "options/record.h"
+#include "text.h"
 
 namespace pysherd {
 

@@ -1,17 +1,17 @@
 // Solids as pickle keeps them.
 #include "pickled.h"
 
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 #include <sherd/error.h>
 #include <sherd/files.h>
 
-#include <cstring>
+#include <cmath>
 #include <type_traits>
 
+#include "base/byte_source.h"
+#include "base/memory.h"
+#include "formats/mesh/contradictions.h"
 #include "process.h"
+#include "sealed.h"
 
 namespace pysherd {
 
@@ -19,89 +19,110 @@ namespace nb = nanobind;
 
 namespace {
 
+using sherd::ByteSource;
 using sherd::Material;
 using sherd::SourceMesh;
 using sherd::Texture;
 
+constexpr std::string_view kKind = "solid";
+
 // Every member of a source that is read from files, in one list for both directions.
 template <class Source, class Field>
 void eachField(Source& source, Field&& field) {
-  field("name", source.name);
-  field("stem", source.stem);
-  field("sha256", source.sha256);
-  field("vertices", source.mesh.vertices);
-  field("triangles", source.mesh.triangles);
-  field("texcoords", source.mesh.attributes.texcoords);
-  field("colors", source.mesh.attributes.colors);
-  field("material", source.mesh.attributes.material);
-  field("normals", source.mesh.attributes.normals);
-  field("materials", source.appearance.materials);
-  field("textures", source.appearance.textures);
-  field("objects", source.objects);
-  field("object_of_triangle", source.objectOfTriangle);
-  field("polygons", source.polygons);
-  field("grids", source.grids);
-  field("warnings", source.warnings);
-  field("file_vertices", source.fileVertices);
-  field("degenerate_triangles", source.degenerateTriangles);
-  field("dropped_vertices", source.droppedVertices);
-  field("dropped_triangles", source.droppedTriangles);
-  field("isovalue", source.isovalue);
+  field(source.name);
+  field(source.stem);
+  field(source.sha256);
+  field(source.mesh.vertices);
+  field(source.mesh.triangles);
+  field(source.mesh.neighbor);
+  field(source.mesh.attributes.texcoords);
+  field(source.mesh.attributes.colors);
+  field(source.mesh.attributes.material);
+  field(source.mesh.attributes.normals);
+  field(source.appearance.materials);
+  field(source.appearance.textures);
+  field(source.objects);
+  field(source.objectOfTriangle);
+  field(source.polygons);
+  field(source.grids);
+  field(source.warnings);
+  field(source.fileVertices);
+  field(source.degenerateTriangles);
+  field(source.droppedVertices);
+  field(source.droppedTriangles);
+  field(source.isovalue);
 }
 
-// Texts are bytes: names in files need not be UTF-8.
-nb::object objectOf(const std::string& text) { return nb::bytes(text.data(), text.size()); }
-nb::object objectOf(std::size_t number) { return nb::cast(number); }
-nb::object objectOf(const std::optional<double>& number) { return nb::cast(number); }
-nb::object objectOf(const Material& material) {
-  return nb::make_tuple(objectOf(material.name), material.color.r, material.color.g,
-                        material.color.b, material.texture, objectOf(material.gltf));
-}
-nb::object objectOf(const Texture& texture) {
-  return nb::make_tuple(objectOf(texture.name), objectOf(texture.bytes));
-}
-template <class Item>
-nb::object objectOf(const std::vector<Item>& items) {
-  if constexpr (std::is_trivially_copyable_v<Item>) {
-    return nb::bytes(items.data(), items.size() * sizeof(Item));
-  } else {
-    nb::list list;
-    for (const Item& item : items) list.append(objectOf(item));
-    return list;
-  }
-}
+// Puts the fields of a source.  Texts may have any bytes.
+struct Put {
+  Pieces& pieces;
 
-void read(nb::handle object, std::string& text) {
-  const auto bytes = nb::cast<nb::bytes>(object);
-  text.assign(bytes.c_str(), bytes.size());
-}
-void read(nb::handle object, std::size_t& number) { number = nb::cast<std::size_t>(object); }
-void read(nb::handle object, std::optional<double>& number) {
-  number = nb::cast<std::optional<double>>(object);
-}
-void read(nb::handle object, Material& material) {
-  const auto parts = nb::cast<nb::tuple>(object);
-  read(parts[0], material.name);
-  material.color = {nb::cast<float>(parts[1]), nb::cast<float>(parts[2]),
-                    nb::cast<float>(parts[3])};
-  material.texture = nb::cast<int>(parts[4]);
-  if (parts.size() > 5) read(parts[5], material.gltf);  // not in pickles of 0.1
-}
-void read(nb::handle object, Texture& texture) {
-  const auto parts = nb::cast<nb::tuple>(object);
-  read(parts[0], texture.name);
-  read(parts[1], texture.bytes);
-}
-template <class Item>
-void read(nb::handle object, std::vector<Item>& items) {
-  if constexpr (std::is_trivially_copyable_v<Item>) {
-    const auto bytes = nb::cast<nb::bytes>(object);
-    items.resize(bytes.size() / sizeof(Item));
-    if (!items.empty()) std::memcpy(items.data(), bytes.c_str(), items.size() * sizeof(Item));
-  } else {
-    for (const nb::handle item : nb::cast<nb::list>(object)) read(item, items.emplace_back());
+  void operator()(const std::string& text) const { pieces.put(text); }
+  void operator()(const std::size_t& number) const { pieces.putOne(number); }
+  void operator()(const std::optional<double>& number) const {
+    pieces.putSize(number ? 1 : 0);
+    if (number) pieces.putOne(*number);
   }
-}
+  void operator()(const Material& material) const {
+    pieces.put(material.name);
+    pieces.putOne(material.color);
+    pieces.putOne(material.texture);
+    pieces.put(material.gltf);
+  }
+  void operator()(const Texture& texture) const {
+    pieces.put(texture.name);
+    pieces.put(texture.bytes);
+  }
+  void operator()(const std::pair<std::string, std::string>& option) const {
+    pieces.put(option.first);
+    pieces.put(option.second);
+  }
+  template <class Item>
+  void operator()(const std::vector<Item>& items) const {
+    if constexpr (std::is_trivially_copyable_v<Item>) {
+      pieces.put(items);
+    } else {
+      pieces.putSize(items.size());
+      for (const Item& item : items) (*this)(item);
+    }
+  }
+};
+
+// Reads them.
+struct Take {
+  ByteSource& source;
+
+  void operator()(std::string& text) const { source.take(text); }
+  void operator()(std::size_t& number) const { source.takeOne(number); }
+  void operator()(std::optional<double>& number) const {
+    std::vector<char> some;
+    source.makeRoom(some, ByteSource::kCountBytes + sizeof(double));
+    if (!some.empty()) source.takeOne(number.emplace());
+  }
+  void operator()(Material& material) const {
+    source.take(material.name);
+    source.takeOne(material.color);
+    source.takeOne(material.texture);
+    source.take(material.gltf);
+  }
+  void operator()(Texture& texture) const {
+    source.take(texture.name);
+    source.take(texture.bytes);
+  }
+  void operator()(std::pair<std::string, std::string>& option) const {
+    source.take(option.first);
+    source.take(option.second);
+  }
+  template <class Item>
+  void operator()(std::vector<Item>& items) const {
+    if constexpr (std::is_trivially_copyable_v<Item>) {
+      source.take(items);
+    } else {
+      source.makeRoom(items, ByteSource::kCountBytes);
+      for (Item& item : items) (*this)(item);
+    }
+  }
+};
 
 /// Keeps one file in memory.
 struct InMemory : sherd::FileSink {
@@ -118,33 +139,62 @@ std::string levelSetOf(const Solid& solid) {
   };
   requireUsableProcess();
   onWorker(write);
-  return file.bytes;
+  return std::move(file.bytes);
+}
+
+bool isName(const std::string& text) {
+  return text.find('/') == std::string::npos && text.find('\0') == std::string::npos;
+}
+
+// Returns what is wrong with an object beyond its checksum, as a clause; empty if nothing is.
+std::string faultOf(const Object& object) {
+  const SourceMesh& source = *object.source;
+  const bool hasMesh = !source.mesh.triangles.empty();
+  if (hasMesh == !object.levelSet.empty()) {
+    return hasMesh ? "has both a mesh and a level set" : "has neither a mesh nor a level set";
+  }
+  if (!(object.ownVoxelSize >= 0.0 && std::isfinite(object.ownVoxelSize))) {
+    return "has voxels whose size is no length";
+  }
+  if (source.isovalue && !std::isfinite(*source.isovalue)) {
+    return "has an isovalue that is not finite";
+  }
+  if (!isName(source.name) || !isName(source.stem)) return "has a name that is none of a file";
+  const auto contradiction = contradictionIn(source);
+  return contradiction ? "contradicts itself: " + *contradiction : std::string();
 }
 
 }  // namespace
 
-nb::dict stateOf(const Solid& solid) {
-  nb::dict state;
-  state["given"] = solid.given();
-  state["own_voxel_size"] = solid.ownVoxelSize();
+nb::bytes stateOf(const Solid& solid) {
   const bool hasMesh = !solid.source().mesh.triangles.empty();
-  state["level_set"] = objectOf(hasMesh ? std::string() : levelSetOf(solid));
-  eachField(solid.source(),
-            [&](const char* name, const auto& value) { state[name] = objectOf(value); });
-  return state;
+  const std::string levelSet = hasMesh ? std::string() : levelSetOf(solid);
+  const double ownVoxelSize = solid.ownVoxelSize();
+  Pieces pieces;
+  const Put put{pieces};
+  put(solid.given());
+  pieces.putOne(ownVoxelSize);
+  put(levelSet);
+  eachField(solid.source(), put);
+  return sealed(kKind, pieces.all());
 }
 
-std::shared_ptr<Object> objectOfState(const nb::dict& state) {
+std::pair<std::shared_ptr<Object>, GivenOptions> objectOfState(nb::handle state) {
+  sherd::MemoryBudget memory("this pickle of a solid", sherd::freeMemory());
+  ByteSource source(contentOf(kKind, state), &memory);
+  const Take take{source};
   auto object = std::make_shared<Object>();
-  try {
-    object->ownVoxelSize = nb::cast<double>(state["own_voxel_size"]);
-    read(state["level_set"], object->levelSet);
-    eachField(object->source.emplace(),
-              [&](const char* name, auto& value) { read(state[name], value); });
-  } catch (const std::exception&) {  // another version's
-    throw sherd::Error(sherd::ErrorCode::input, "this pickle of a solid cannot be read");
+  GivenOptions given;
+  take(given);
+  source.takeOne(object->ownVoxelSize);
+  take(object->levelSet);
+  eachField(object->source.emplace(), take);
+  const std::string fault =
+      source.isAt({}) ? faultOf(*object) : "is damaged: its arrays do not fill its state";
+  if (!fault.empty()) {
+    throw sherd::Error(sherd::ErrorCode::input, "this pickle of a solid " + fault);
   }
-  return object;
+  return {std::move(object), std::move(given)};
 }
 
 }  // namespace pysherd

@@ -5,13 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <utility>
 
+#include "base/atomic_file.h"
 #include "base/memory.h"
 #include "base/sha256.h"
 #include "formats/mesh/merge.h"
@@ -40,13 +41,9 @@ struct Read {
 // A file that is removed again.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::string& bytes) {
-    std::string name = (fs::temp_directory_path() / "sherd-XXXXXX.vdb").string();
-    const int file = ::mkstemps(name.data(), 4);
-    if (file < 0) throw Error(ErrorCode::output, name + ": cannot be made");
-    ::close(file);
-    path_ = name;
-    std::ofstream(path_, std::ios::binary) << bytes;
+  ///   throws  Error(output) it cannot be written whole
+  explicit TemporaryFile(const std::string& bytes) : TemporaryFile() {
+    sherd::writeWhole(path_, bytes);
   }
   ~TemporaryFile() {
     std::error_code ignored;
@@ -58,6 +55,22 @@ class TemporaryFile {
   [[nodiscard]] const fs::path& path() const { return path_; }
 
  private:
+  TemporaryFile() {
+    std::error_code error;
+    const fs::path folder = fs::temp_directory_path(error);
+    if (error) {
+      throw Error(ErrorCode::output,
+                  "no folder for temporary files: " + error.message() + " (set TMPDIR to one)");
+    }
+    std::string name = (folder / "sherd-XXXXXX.vdb").string();
+    const int file = ::mkstemps(name.data(), 4);
+    if (file < 0) {
+      throw Error(ErrorCode::output, name + ": cannot be made: " + sherd::reasonOf(errno));
+    }
+    ::close(file);
+    path_ = name;
+  }
+
   fs::path path_;
 };
 
@@ -67,6 +80,23 @@ Read readVolumeAt(const fs::path& file, const RunOptions& run, const sherd::Opti
   std::vector<std::string> idle = idleOptions(volume, use);
   return {std::move(volume.source), std::move(volume.solid),
           run.volume.ownVoxels ? volume.voxelSize : 0.0, std::move(idle)};
+}
+
+// Reads the level set of a pickle as a file of its own, since it is trusted as little.
+Read readLevelSet(const std::string& bytes, RunOptions run, const sherd::OptionUse& use,
+                  const Progress& progress) {
+  run.volume.grid.clear();  // of the file that was read first; here is one grid
+  const TemporaryFile file(bytes);
+  try {
+    Read read = readVolumeAt(file.path(), run, use, progress);
+    if (!read.solid) throw Error(ErrorCode::input, "it is none that a solid is kept as");
+    return read;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::input) throw;
+    const std::string name = file.path().string() + ": ", what = e.what();
+    throw Error(e.code(), "the level set of this pickle cannot be read: " +
+                              (what.starts_with(name) ? what.substr(name.size()) : what));
+  }
 }
 
 // Returns a mesh of arrays as a reader of files does.
@@ -125,7 +155,7 @@ Read readObject(Object& object, const RunOptions& run, const sherd::OptionUse& u
   Read read;
   if (object.source) {
     if (!object.levelSet.empty()) {
-      read = readVolumeAt(TemporaryFile(object.levelSet).path(), run, use, progress);
+      read = readLevelSet(object.levelSet, run, use, progress);
     }
     read.source = std::move(*object.source);
     read.voxelSize = object.ownVoxelSize;

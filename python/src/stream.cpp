@@ -5,7 +5,6 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <sherd/dataset.h>
 #include <sherd/error.h>
@@ -13,6 +12,7 @@
 
 #include "options.h"
 #include "solid.h"
+#include "text.h"
 
 namespace pysherd {
 namespace {

@@ -32,16 +32,18 @@ std::optional<std::string> outOfRange(const std::vector<std::uint32_t>& numbers,
          std::to_string(*bad) + ", there are " + std::to_string(count);
 }
 
-}  // namespace
-
-std::optional<std::string> contradictionIn(const RawMesh& mesh) {
-  const std::size_t triangles = mesh.triangles.size();
+std::optional<std::string> badIndex(const MeshParts& mesh) {
   for (const glm::uvec3& t : mesh.triangles) {
     const std::uint32_t largest = std::max({t.x, t.y, t.z});
     if (largest < mesh.vertices.size()) continue;
     return "triangle " + std::to_string(&t - mesh.triangles.data() + 1) + " uses vertex " +
            std::to_string(largest) + ", there are " + std::to_string(mesh.vertices.size());
   }
+  return std::nullopt;
+}
+
+std::optional<std::string> badLength(const MeshParts& mesh) {
+  const std::size_t triangles = mesh.triangles.size();
   const SurfaceAttributes& attributes = mesh.attributes;
   if (!fits(attributes.texcoords, triangles))
     return countOf("texture coordinates", attributes.texcoords.size(), triangles);
@@ -56,8 +58,13 @@ std::optional<std::string> contradictionIn(const RawMesh& mesh) {
     return countOf("objects", mesh.objectOfTriangle.size(), triangles);
   if (!fits(mesh.polygons, triangles))
     return countOf("places in faces", mesh.polygons.size(), triangles);
+  return std::nullopt;
+}
+
+std::optional<std::string> badReference(const MeshParts& mesh) {
+  const SurfaceAttributes& attributes = mesh.attributes;
   for (const auto& corners : attributes.texcoords) {
-    if (!std::all_of(corners.begin(), corners.end(), isFinite))
+    if (!std::all_of(corners.begin(), corners.end(), [](const auto& at) { return isFinite(at); }))
       return "one of its texture coordinates is not finite";
   }
   if (const auto bad =
@@ -71,6 +78,20 @@ std::optional<std::string> contradictionIn(const RawMesh& mesh) {
            std::to_string(textures);
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> contradictionIn(const MeshParts& mesh) {
+  if (auto bad = badIndex(mesh)) return bad;
+  if (auto bad = badLength(mesh)) return bad;
+  return badReference(mesh);
+}
+
+std::optional<std::string> contradictionIn(const RawMesh& mesh) {
+  return contradictionIn(MeshParts{mesh.vertices, mesh.triangles, mesh.attributes, mesh.neighbor,
+                                   mesh.appearance, mesh.objects, mesh.objectOfTriangle,
+                                   mesh.polygons});
 }
 
 }  // namespace sherd

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <future>
 #include <limits>
@@ -181,9 +180,6 @@ bool isFinite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Such lengths do not overflow in single precision, nor their squares in double precision.
-constexpr double kLongestSide = 1e37;
-
 void checkMerged(const MeshFile& file, const SourceMesh& source) {
   if (source.mesh.triangles.empty() && source.droppedTriangles > 0) {
     const std::string which = source.droppedVertices == source.fileVertices ? "all " : "";
@@ -193,15 +189,7 @@ void checkMerged(const MeshFile& file, const SourceMesh& source) {
   }
   if (source.mesh.triangles.empty())
     throw inputError(file, "holds no triangle with three different corners");
-  const Box box = bounds(source.mesh);
-  for (int axis = 0; axis < 3; ++axis) {
-    const double side = box.max[axis] - box.min[axis];
-    if (side <= kLongestSide) continue;
-    std::array<char, 40> length{};
-    std::snprintf(length.data(), length.size(), "%.3g", side);
-    throw inputError(file, std::string("is ") + length.data() + " long along " + "xyz"[axis] +
-                               ", at most 1e37 is supported (scale it)");
-  }
+  if (const auto length = tooLong(source.mesh)) throw inputError(file, *length);
 }
 
 //   bytes   may be moved from
