@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 __version__: str
 __all__ = {names}
 
-_Path: TypeAlias = str | os.PathLike[str]
+_Path: TypeAlias = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 _Progress: TypeAlias = Callable[[str, float], bool | None]
 
 class Error(Exception):

@@ -17,6 +17,7 @@ from ._fracture import Fracture
 from ._fragment import Contacts, Fragment, Points, SparseLabels
 from ._options import Options
 from ._solid import Solid, voxelize
+from ._values import whole as _whole
 
 __version__: str = _version()
 __all__ = [
@@ -38,6 +39,4 @@ def limit_threads(most: int) -> None:
     UsageError
         Another number.
     """
-    if not isinstance(most, int) or not 0 <= most <= 4096:
-        raise UsageError(f"most: {most!r} is not a whole number in 0..4096")
-    _limit_threads(most)
+    _limit_threads(_whole("most", most, 0, 4096))

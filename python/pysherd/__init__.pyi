@@ -28,7 +28,7 @@ __all__ = [
     "voxelize",
 ]
 
-_Path: TypeAlias = str | os.PathLike[str]
+_Path: TypeAlias = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 _Progress: TypeAlias = Callable[[str, float], bool | None]
 
 class Error(Exception):

@@ -8,8 +8,9 @@ from typing import Any, Iterator
 
 from . import _core, _jobs, _options, _state
 from ._errors import InputError, warn
-from ._fracture import Fracture, file_errors, folder_name
+from ._fracture import Fracture, file_errors
 from ._solid import DEVICE, Solid, checked_device, core_solid, fracture_options
+from ._values import path_text
 
 
 def break_solid(
@@ -107,5 +108,5 @@ def load(folder: str | os.PathLike[str]) -> Fracture:
     FileError
         There is no fracture, or a file of it is absent or damaged.
     """
-    core = file_errors(_core.load(folder_name("folder", folder)), None, True)
+    core = file_errors(_core.load(path_text("folder", folder)), None, True)
     return Fracture(core, None, _options.Options._of_texts(_core.recorded_options(core.file)))

@@ -8,6 +8,7 @@ from typing import Any, Mapping, Sequence
 from . import _core, _options
 from ._errors import UsageError, warn
 from ._options import Row, Texts
+from ._values import is_number, shown
 
 _NOT_OF_STREAMS = {"seed", "seeds", "only", "split_objects", "share_points"}
 ACCEPTED = {k: r for k, r in _options.ROWS.items() if k not in _NOT_OF_STREAMS and (k not in _options.SAVE or k in _options.POINTS)}
@@ -40,12 +41,12 @@ class Drawn:
     def _add(self, row: Row, value: Any) -> None:
         if row.keyword == "pieces" and isinstance(value, range):
             if len(value) == 0 or value.step != 1:
-                raise UsageError(f"pieces: {value!r} has no numbers that follow one another; give one such as range(2, 11)")
+                raise UsageError(f"pieces: {shown(value)} has no numbers that follow one another; give one such as range(2, 11)")
             value = f"{value[0]}..{value[-1]}"
         texts = [(row.name, text) for text in row.texts(value)]
         if isinstance(value, (tuple, list)) and row.keyword not in _options.VOXELIZE:
             _check_list(texts, value)
-        if len(texts) > 1 or _option(*texts[0]) is None:
+        if len(texts) != 1 or _option(*texts[0]) is None:
             self._fixed += texts
         elif row.keyword in _options.VOXELIZE:
             raise UsageError(f"{row.keyword}: a value is needed, since a mesh is voxelized once for all its fractures")
@@ -100,7 +101,7 @@ def _check_list(texts: Texts, value: Sequence[Any]) -> None:
         _core.check_options(texts)
     except UsageError as e:
         hint = ""
-        if len(value) == 2 and all(map(_options.is_number, value)):
+        if len(value) == 2 and all(map(is_number, value)):
             hint = f"; a range is '{min(value)}..{max(value)}'"
         elif value and all(isinstance(part, str) for part in value):
             hint = f"; a choice is {'|'.join(value)!r}"

@@ -13,6 +13,7 @@ from . import _core, _jobs, _options, _state
 from ._errors import Error, FileError, UsageError, warn
 from ._fragment import Array, Contacts, Fragment, Points, SparseLabels
 from ._solid import Solid
+from ._values import items_of, is_sequence, number_in, path_text, shown, whole, word
 
 _FILE_NAMES = frozenset(row.name for row in _options.SAVE.values())
 
@@ -179,7 +180,7 @@ class Fracture(Sequence[Fragment]):
         names = {name for name, _ in new}
         texts = [option for option in texts if option[0] not in names] + new
         _options.check_together(texts, [option for option in texts if option[0] in _FILE_NAMES], before=self._core.given)
-        warn(_jobs.finish(_core.save(self._core, folder_name("folder", folder), texts), progress))
+        warn(_jobs.finish(_core.save(self._core, path_text("folder", folder), texts), progress))
 
     def to_trimesh(self) -> list[Any]:
         """Returns a ``trimesh.Trimesh`` of each fragment, with the face attribute ``neighbor``.
@@ -211,7 +212,7 @@ class Fracture(Sequence[Fragment]):
         explode : float
             How far fragments move apart, as a share of their distance to the center, 0..100.
         azimuth, elevation : float
-            Of the camera, degrees around the up axis, and above the horizon.
+            Of the camera, degrees around the up axis, and above the horizon, -90..90.
         up : str
             The mesh's axis that points up: 'x', 'y' or 'z'.
         size : tuple of int
@@ -228,17 +229,15 @@ class Fracture(Sequence[Fragment]):
         OutputError
             The file cannot be written.
         """
-        path = "" if file is None else folder_name("file", file)
+        path = "" if file is None else path_text("file", file)
         if path and not path.lower().endswith((".png", ".exr")):
-            raise UsageError(f"file: {path} ends neither in .png nor .exr")
-        if up not in ("x", "y", "z"):
-            raise UsageError(f"up: {up!r} is not one of x, y, z")
-        try:
-            width, height = (int(side) for side in size)
-            numbers = float(explode), float(azimuth), float(elevation)
-        except (TypeError, ValueError) as e:
-            raise UsageError(f"render: {e}") from None
-        return file_errors(_core.render(self._core, path, *numbers, up, width, height), progress, self._is_loaded)
+            raise UsageError(f"file: {shown(path)} ends neither in .png nor .exr")
+        numbers = number_in("explode", explode, 0, 100), number_in("azimuth", azimuth, -1e9, 1e9), number_in("elevation", elevation, -90, 90)
+        sides = items_of("size", size) if is_sequence(size) else []
+        if len(sides) != 2:
+            raise UsageError(f"size: {shown(size)} is no pair of a width and a height")
+        width, height = (whole("size", side, 16, 16384) for side in sides)
+        return file_errors(_core.render(self._core, path, *numbers, word("up", up, ("x", "y", "z")), width, height), progress, self._is_loaded)
 
     @property
     def _is_loaded(self) -> bool:
@@ -265,13 +264,3 @@ def file_errors(job: _core.Job, progress: _jobs.Progress | None, is_file: bool) 
         if is_file and e.code == FileError.code:
             raise FileError(str(e), e.options) from None
         raise
-
-
-def folder_name(name: str, path: Any) -> str:
-    try:
-        text = os.fsdecode(os.fspath(path))
-    except TypeError:
-        raise UsageError(f"{name}: a {type(path).__name__} is no path") from None
-    if not text or "\0" in text:
-        raise UsageError(f"{name}: {text!r} is no path")
-    return text

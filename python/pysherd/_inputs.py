@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core
 from ._errors import FileError, InputError
+from ._values import path_text
 
 _LONGEST = 1e37  # world units, as for files
 _MOST_ROWS = 2**32 - 1  # indices have 32 bits
@@ -23,8 +24,8 @@ def object_of(mesh: Any) -> tuple[_core.Object, bool]:
     InputError
         Naming the argument at fault: mesh, vertices, faces or volume.
     """
-    if isinstance(mesh, (str, os.PathLike)):
-        return _core.file_object(_path(mesh)), True
+    if isinstance(mesh, (str, bytes, os.PathLike)):
+        return _core.file_object(path_text("mesh", mesh, FileError)), True
     arrays = arrays_of(mesh)
     if isinstance(arrays, tuple):
         return _core.mesh_object(*arrays), False
@@ -51,15 +52,6 @@ def arrays_of(mesh: Any) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]] | 
     raise InputError(
         f"mesh: a {type(mesh).__name__} cannot be broken; a path, a pair (vertices, faces), an object with both, or a volume can"
     )
-
-
-def _path(path: str | os.PathLike[str]) -> str:
-    text = os.fspath(path)
-    if isinstance(text, bytes):
-        text = os.fsdecode(text)
-    if not text or "\0" in text:
-        raise FileError("mesh: the path is empty" if not text else "mesh: the path has a null character")
-    return text
 
 
 def numbers_of(name: str, values: Any) -> np.ndarray[Any, Any]:

@@ -13,7 +13,8 @@ import time
 from typing import Any, Callable, Optional
 
 from . import _core
-from ._errors import Cancelled
+from ._errors import Cancelled, UsageError
+from ._values import shown
 
 Progress = Callable[[str, float], Optional[bool]]
 
@@ -43,6 +44,8 @@ def finish(job: _core.Job, progress: Progress | None = None) -> Any:
     waiting = select.poll()
     waiting.register(job.file, select.POLLIN)
     try:
+        if progress is not None and not callable(progress):
+            raise UsageError(f"progress: {shown(progress)} cannot be called; give a function of a stage and a fraction")
         while not waiting.poll(_POLL_MS):
             if progress is not None:
                 _report(job, progress)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import os
 from collections import OrderedDict
 from typing import Any, Iterable, Mapping, NamedTuple
@@ -10,6 +11,9 @@ from typing import Any, Iterable, Mapping, NamedTuple
 from . import _core, _inputs, _jobs, _options
 from ._errors import Error, FileError, InputError, UsageError, warn
 from ._solid import Solid
+from ._values import is_number, path_text
+
+_MOST_OF_ITERATOR = 2**20
 
 
 class Mesh(NamedTuple):
@@ -39,21 +43,22 @@ def library_of(meshes: Any) -> list[Mesh]:
     InputError, FileError, UsageError
         There are none, or one of them cannot be broken.
     """
-    if isinstance(meshes, (str, os.PathLike)):
-        return _files(os.fsdecode(os.fspath(meshes)))
+    if isinstance(meshes, (str, bytes, os.PathLike)):
+        return _files(path_text("meshes", meshes, FileError))
     if isinstance(meshes, Solid) or hasattr(meshes, "vertices") or _is_array(meshes) or _is_pair(meshes):
         meshes = [meshes]
     if not isinstance(meshes, Iterable):
         raise UsageError(f"meshes: a {type(meshes).__name__} is neither a folder nor several meshes")
-    found = [_mesh(number, mesh) for number, mesh in enumerate(meshes)]
+    most = None if hasattr(meshes, "__len__") else _MOST_OF_ITERATOR + 1
+    found = [_mesh(number, mesh) for number, mesh in enumerate(itertools.islice(meshes, most))]
+    if len(found) == most:
+        raise UsageError(f"meshes: an iterator of more than {_MOST_OF_ITERATOR} meshes may have no end; give a list, or a folder")
     if not found:
         raise InputError("meshes: there are none")
     return found
 
 
 def _files(path: str) -> list[Mesh]:
-    if not path or "\0" in path:
-        raise FileError(f"meshes: {path!r} is no path")
     if not os.path.isdir(path) and not path.lower().endswith(".txt"):
         if not os.path.exists(path):
             raise FileError(f"{path}: does not exist")
@@ -82,7 +87,7 @@ def _has_rows(values: Any) -> bool:
         except InputError:
             return False
     row: Any = values[0] if _is_list(values) and len(values) else None
-    return _is_list(row) and len(row) == 3 and all(map(_options.is_number, row))
+    return _is_list(row) and len(row) == 3 and all(map(is_number, row))
 
 
 def _is_list(values: Any) -> bool:
@@ -90,8 +95,8 @@ def _is_list(values: Any) -> bool:
 
 
 def _mesh(number: int, mesh: Any) -> Mesh:
-    if isinstance(mesh, (str, os.PathLike)):
-        path = os.fsdecode(os.fspath(mesh))
+    if isinstance(mesh, (str, bytes, os.PathLike)):
+        path = path_text(f"mesh {number}", mesh, FileError)
         return Mesh(path, path)
     if isinstance(mesh, Solid):
         return Mesh(str(number), mesh)

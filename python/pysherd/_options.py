@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import numbers
 import operator
 import os
 import pickle
@@ -12,6 +11,7 @@ from typing import Any, Callable, Iterable, Iterator, List, Mapping, Tuple
 
 from . import _core, _state
 from ._errors import UsageError, warn
+from ._values import is_number, is_sequence, items_of, path_text, plain, shown, text_of
 
 
 class Row:
@@ -31,27 +31,44 @@ class Row:
 
     def texts(self, value: Any) -> list[str]:
         """Returns a value as on the command line; several texts where the option repeats."""
-        if self.repeats and not isinstance(value, str):
-            if not _is_sequence(value):
-                raise UsageError(f"{self.keyword}: a list is needed, each item one {self.range}")
-            items = [value] if value and all(is_number(v) for v in value) else value
-            return [self._text(item) for item in items]
-        return [self._text(value)]
+        if not self.repeats or isinstance(value, str):
+            return [self._text(value)]
+        if not is_sequence(value):
+            if isinstance(value, (bytes, os.PathLike)):
+                return [self._text(value)]
+            raise UsageError(f"{self.keyword}: a list is needed, each item one {self.range}")
+        items = items_of(self.keyword, value)
+        if items and all(map(is_number, items)):
+            items = [items]
+        return [self._text(item) for item in items]
 
     def _text(self, value: Any) -> str:
-        if _is_sequence(value):
-            return ",".join(self._text(item) for item in value)
-        if isinstance(value, (str, os.PathLike)):
-            return os.fspath(value) if not isinstance(value, str) else value
-        if _is_flag(value):
+        if is_sequence(value):
+            return ",".join(map(self._part, items_of(self.keyword, value)))
+        return self._part(value)
+
+    def _part(self, value: Any) -> str:
+        """Returns a value that is not several as on the command line."""
+        value = plain(value)
+        if isinstance(value, str):
+            return text_of(self.keyword, value)
+        if isinstance(value, os.PathLike) or isinstance(value, bytes) and self.type == "text":
+            return path_text(self.keyword, value)
+        if isinstance(value, bool):
             if self.type not in ("flag", "text"):
                 raise UsageError(f"{self.keyword}: {value!r} is no value for it; {self.expected()}")
             return "true" if value else "false"
         if self.type == "flag":
-            raise UsageError(f"{self.keyword}: {value!r} is not True or False")
+            raise UsageError(f"{self.keyword}: {shown(value)} is not True or False")
         if is_number(value):
-            return _number_text(value)
+            return self._number(value)
         raise UsageError(f"{self.keyword}: a {type(value).__name__} is no value for it; {self.expected()}")
+
+    def _number(self, value: Any) -> str:
+        try:
+            return _number_text(value)
+        except (TypeError, ValueError, ArithmeticError):  # no text has so many digits, and no double so large a number
+            raise UsageError(f"{self.keyword}: {shown(value)} is no number that it can have; {self.expected()}") from None
 
     def expected(self) -> str:
         """Describes the values: ``"0..1, voxels"``."""
@@ -77,22 +94,6 @@ class Row:
 def _in_keywords(sentence: str) -> str:
     """Returns a sentence with keywords in place of the program's options: ``erode_on`` for ``--erode-on``."""
     return re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), sentence)
-
-
-def _is_flag(value: Any) -> bool:
-    return isinstance(value, bool) or type(value).__name__ in ("bool_", "bool") and hasattr(value, "dtype")
-
-
-def is_number(value: Any) -> bool:
-    return isinstance(value, numbers.Number) and not isinstance(value, (bool, complex)) or _is_scalar_array(value)
-
-
-def _is_scalar_array(value: Any) -> bool:
-    return hasattr(value, "dtype") and getattr(value, "ndim", None) == 0
-
-
-def _is_sequence(value: Any) -> bool:
-    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, os.PathLike, Mapping)) and not _is_scalar_array(value)
 
 
 def _number_text(value: Any) -> str:

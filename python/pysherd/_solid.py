@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import itertools
-import operator
-from typing import Any, Iterable, Iterator
+from typing import Any, Iterable, Iterator, Sized
 
 import numpy as np
 
 from . import _core, _jobs, _options, _state
 from ._errors import Error, FileError, UsageError, warn
 from ._inputs import object_of
+from ._values import is_sequence, plain, shown, text_of, whole
 
 DEVICE = "builtin"  # which any process has, also a forked one
 _TOGETHER = 16  # fractures that grow at once
@@ -81,7 +81,8 @@ class Solid:
         pieces : int or iterable of int
             Numbers of fragments, the outer loop.
         seeds : int or iterable of int
-            Seeds, the inner loop.
+            Seeds, the inner loop.  Both are taken as fractures are, at most 16 ahead, and may have no end: ``itertools.count()``.
+            An iterator of seeds is gone through once, and its seeds are kept where there is another number of fragments.
         device, progress, **options
             As of `fracture`.
 
@@ -92,17 +93,14 @@ class Solid:
         Raises
         ------
         Error
-            As `fracture`.
+            As `fracture`, or as `pieces` and `seeds` raise, after the fractures before.
         """
         from ._break import break_solid
 
         if "seed" in options:
             raise UsageError("seed: fractures() takes seeds, a number or several")
         given = fracture_options(self._core, options)
-        pairs = ((_whole("pieces", p), _whole("seeds", s)) for p in _each("pieces", pieces) for s in _each("seeds", seeds))
-        while some := list(itertools.islice(pairs, _TOGETHER)):
-            for p, s in some:
-                _options.given({"pieces": p, "seed": s})
+        for some in _batches(_pairs(_each("pieces", pieces), _each("seeds", seeds))):
             yield from break_solid(self._core, given, some, device, progress)
 
     @property
@@ -114,20 +112,50 @@ class Solid:
         return _unpickled, (self._core.state,)
 
 
-def _whole(name: str, value: Any) -> int:
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise UsageError(f"{name}: {value!r} is not a whole number") from None
-
-
 def _each(name: str, values: Any) -> Iterable[Any]:
-    if isinstance(values, str):
-        raise UsageError(f"{name}: {values!r} is neither a whole number nor several")
-    if not hasattr(values, "__iter__"):
-        return (values,)
-    # The inner one is gone through once for each of the outer ones.
-    return values if isinstance(values, range) else tuple(values)
+    if is_sequence(values):
+        return values  # type: ignore[no-any-return]
+    whole(name, plain(values), 0)
+    return (values,)
+
+
+def _checked(name: str, keyword: str, value: Any) -> int:
+    number = whole(name, plain(value), 0)
+    try:
+        _options.given({keyword: number})
+    except UsageError as e:
+        raise UsageError(f"{name}{str(e).removeprefix(keyword)}", e.options) from None
+    return number
+
+
+def _pairs(pieces: Iterable[Any], seeds: Iterable[Any]) -> Iterator[tuple[int, int]]:
+    """Yields each number of pieces with each seed, checked when it is taken; an iterator of seeds is gone through once."""
+    keeps = iter(seeds) is seeds and not (isinstance(pieces, Sized) and len(pieces) == 1)
+    kept: list[int] = []
+    for position, p in enumerate(pieces):
+        number = _checked("pieces", "pieces", p)
+        for s in kept if keeps and position else seeds:
+            seed = _checked("seeds", "seed", s)
+            if keeps and not position:
+                kept.append(seed)
+            yield number, seed
+
+
+def _batches(pairs: Iterator[tuple[int, int]]) -> Iterator[list[tuple[int, int]]]:
+    """Yields several at a time; what ends them early is raised after those before it."""
+    ended: Exception | None = None
+    while ended is None:
+        some: list[tuple[int, int]] = []
+        try:
+            for pair in itertools.islice(pairs, _TOGETHER):
+                some.append(pair)
+        except Exception as e:
+            ended = e
+        if some:
+            yield some
+        if len(some) < _TOGETHER and ended is None:
+            return
+    raise ended
 
 
 def fracture_options(core: _core.Solid, options: dict[str, Any]) -> list[tuple[str, str]]:
@@ -159,8 +187,8 @@ def core_solid(mesh: Any, texts: list[tuple[str, str]], device: str, progress: _
 def checked_device(device: Any) -> str:
     """Returns the name of a device."""
     if not isinstance(device, str) or not device:
-        raise UsageError(f"device: {device!r} is not a name such as 'builtin', 'cpu' or 'gpu'")
-    return device
+        raise UsageError(f"device: {shown(device)} is not a name such as 'builtin', 'cpu' or 'gpu'")
+    return text_of("device", device)
 
 
 @_options.documented(_options.VOXELIZE)

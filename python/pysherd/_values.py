@@ -46,6 +46,14 @@ def number_in(name: str, value: Any, low: float, high: float) -> float:
     return number
 
 
+def flag(name: str, value: Any) -> bool:
+    """Returns True or False, or raises `UsageError`."""
+    value = plain(value)
+    if not isinstance(value, int) or value not in (0, 1):
+        raise UsageError(f"{name}: {shown(value)} is not True or False")
+    return bool(value)
+
+
 def word(name: str, value: Any, words: Iterable[str]) -> str:
     """Returns one of some words, or raises `UsageError`."""
     if not isinstance(value, str) or value not in words:

@@ -13,6 +13,7 @@ import os
 import pathlib
 
 from ._errors import FileError, OutputError
+from ._values import path_text
 
 __all__ = ["write_usdc"]
 
@@ -40,10 +41,10 @@ def write_usdc(file: str | os.PathLike[str]) -> pathlib.Path:
         if missing.name != "pxr":
             raise
         raise ImportError("pysherd.usd.write_usdc needs OpenUSD, which is not installed: pip install usd-core") from None
-    source = pathlib.Path(file)
+    source = pathlib.Path(path_text("file", file, FileError))
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(source))
-    except Tf.ErrorException:
+    except (Tf.ErrorException, UnicodeError):  # OpenUSD takes paths in UTF-8
         layer = None
     if layer is None:
         raise FileError(f"{source}: cannot be read as a layer of USD")

@@ -34,7 +34,9 @@ std::vector<Contact> contactsIn(const json& fragment) {
 }  // namespace
 
 LoadedPieces::LoadedPieces(const std::string& folder)
-    : file_(fs::is_directory(folder) ? (fs::path(folder) / sherd::kManifestName).string() : folder),
+    : file_(sherd::whatIsAt(folder) == fs::file_type::directory
+                ? (fs::path(folder) / sherd::kManifestName).string()
+                : folder),
       manifest_(sherd::readManifest(file_)) {
   const json manifest = sherd::manifestJson(file_).value();
   try {
