@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Callable, Iterator
 
-from . import _core, _layouts
+from . import _layouts
 from ._break import break_solid
 from ._drawn import Drawn
 from ._errors import Error, InputError, UsageError, warn
@@ -67,8 +67,31 @@ class Breaker:
         if given.get("surface") == "exact" and any(dict(core.given).get("surface") != "exact" for core in solids):
             raise UsageError("surface: a solid keeps no mesh; give surface='exact' to voxelize() too")
 
-    def fracture(self, slot: Slot) -> Fracture:
-        """Breaks a mesh."""
+    def item(self, slots: Iterator[Slot]) -> dict[str, Any]:
+        """Returns the item of the first fracture that can be used.
+
+        Raises
+        ------
+        Error
+            A mesh cannot be broken, and none is left out, or too many were in a row.
+        """
+        return self._first(slots, self._sampled)
+
+    def fracture(self, slots: Iterator[Slot]) -> Fracture:
+        """Returns the first fracture that can be used, as `item`."""
+        return self._first(slots, lambda slot, f: f)
+
+    def _first(self, slots: Iterator[Slot], made: Callable[[Slot, Fracture], Any]) -> Any:
+        for slot in slots:
+            result = self._tried(slot, made)
+            if result is not None:
+                self._failures = self._passed = 0
+                return result
+            self._passed += 1
+            self._check_failures()
+        raise AssertionError("attempts have no end")
+
+    def _broken(self, slot: Slot) -> Fracture:
         core = self.solids[slot.mesh]
         own = [option for option in self._options.texts(slot.seed) if option[0] not in _SOLID_NAMES]
         names = {name for name, _ in own}
@@ -76,48 +99,37 @@ class Breaker:
         pieces = int(dict(texts).get("pieces", ROWS["pieces"].default))
         return next(break_solid(core, texts, [(pieces, slot.seed)], self._device, None))
 
-    def item(self, slot: Slot) -> dict[str, Any] | None:
-        """Returns an item; None if it is left out.
+    def _sampled(self, slot: Slot, f: Fracture) -> dict[str, Any]:
+        mesh = self._meshes[slot.mesh]
+        return self._layout.make(_layouts.sample_of(
+            f, self._layout, self.points, self._options.of_points, self.solids[slot.mesh].surface_box, number=slot.number, mesh=slot.mesh,
+            seed=slot.seed, name=f"{mesh.key}/fractured_{slot.number}", random=generator(hashed("pose", slot.seed))))  # fmt: skip
 
-        Raises
-        ------
-        Error
-            The mesh cannot be broken, and none is left out, or too many were in a row.
-        """
-        item = self._item(slot)
-        self._passed = 0 if item else self._passed + 1
-        if item:
-            self._failures = 0
-        elif self._skips:
-            self._check_failures()
-        return item
-
-    def _item(self, slot: Slot) -> dict[str, Any] | None:
+    def _tried(self, slot: Slot, made: Callable[[Slot, Fracture], Any]) -> Any:
+        """Returns what is made of a fracture; None if it is left out."""
         mesh = self._meshes[slot.mesh]
         if slot.mesh in self._failed:
             self.skipped[mesh.key] += 1
             return None
         try:
-            core = self._solid(slot.mesh)
+            self._check_solid(slot.mesh)
         except Error as e:
             self._failed.add(slot.mesh)
             self._skip(mesh, e, "")
             return None
         try:
-            f = self.fracture(slot)
+            f = self._broken(slot)
             self._check_count(len(f), "breaks into {} fragments")
-            return self._layout.make(_layouts.sample_of(
-                f, self._layout, self.points, self._options.of_points, core.surface_box, number=slot.number, mesh=slot.mesh, seed=slot.seed,
-                name=f"{mesh.key}/fractured_{slot.number}", random=generator(hashed("pose", slot.seed))))  # fmt: skip
+            return made(slot, f)
         except Error as e:
             self._skip(mesh, e, f"{mesh.key}, seed {slot.seed}: ")
             return None
 
-    def _solid(self, mesh: int) -> _core.Solid:
+    def _check_solid(self, mesh: int) -> None:
         core = self.solids[mesh]
         if self._layout.fragments and core.components > self._layout.fragments:
-            self._check_count(core.components, f"{self._meshes[mesh].key}: has {{}} connected components")
-        return core
+            key = self._meshes[mesh].key.replace("{", "{{").replace("}", "}}")
+            self._check_count(core.components, f"{key}: has {{}} connected components")
 
     def _check_count(self, count: int, sentence: str) -> None:
         most = self._layout.fragments

@@ -6,6 +6,7 @@ that of the intact object, as in Breaking Bad.  Rotations are scalar-first quate
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Callable, NamedTuple
 
 import numpy as np
@@ -71,31 +72,25 @@ def shared_counts(areas: Array, points: int) -> list[int]:
     return [int(n) for n in each]
 
 
-def _above(least: int) -> Callable[[Array, int], list[int]]:
-    def counts(areas: Array, points: int) -> list[int]:
-        """`least` on each fragment, the others by area, the remainder on the largest (GARF, RPF)."""
-        each = least + ((points - least * len(areas)) * (areas / areas.sum())).astype(np.int64)
-        each[np.argmax(each)] += points - each.sum()
-        return [int(n) for n in each]
-
-    return counts
+def counts_above(least: int, areas: Array, points: int) -> list[int]:
+    """`least` on each fragment, the others by area, the remainder on the largest (GARF, RPF)."""
+    each = least + ((points - least * len(areas)) * (areas / areas.sum())).astype(np.int64)
+    each[np.argmax(each)] += points - each.sum()
+    return [int(n) for n in each]
 
 
-def _at_least(least: int) -> Callable[[Array, int], list[int]]:
-    def counts(areas: Array, points: int) -> list[int]:
-        """By area, and what is missing to `least` from those with most (Jigsaw)."""
-        each = np.ceil(areas * points / areas.sum()).astype(np.int64)
-        each[np.argmax(each)] -= each.sum() - points
-        missing = int(np.maximum(least - each, 0).sum())
-        each = np.maximum(each, least)
-        while missing > 0:
-            most = np.argmax(each)
-            taken = min(missing, int(each[most]) - least)
-            each[most] -= taken
-            missing -= taken
-        return [int(n) for n in each]
-
-    return counts
+def counts_from(least: int, areas: Array, points: int) -> list[int]:
+    """By area, and what is missing to `least` from those with most (Jigsaw)."""
+    each = np.ceil(areas * points / areas.sum()).astype(np.int64)
+    each[np.argmax(each)] -= each.sum() - points
+    missing = int(np.maximum(least - each, 0).sum())
+    each = np.maximum(each, least)
+    while missing > 0:
+        most = np.argmax(each)
+        taken = min(missing, int(each[most]) - least)
+        each[most] -= taken
+        missing -= taken
+    return [int(n) for n in each]
 
 
 # --- sampling
@@ -285,12 +280,13 @@ def mpa_item(sample: Sample) -> Item:
     }  # fmt: skip
 
 
+# Without local functions: a data set with its layout is pickled for workers that are spawned.
 LAYOUTS = {
     "points": Layout(points_item, shared_counts, 5000, 0, 0),
     "fragments": Layout(fragments_item, equal_counts, 1024, 0, 1),
-    "garf": Layout(garf_item, _above(20), 5000, 20, 20),
-    "rpf": Layout(rpf_item, _above(20), 5000, 64, 20),
+    "garf": Layout(garf_item, partial(counts_above, 20), 5000, 20, 20),
+    "rpf": Layout(rpf_item, partial(counts_above, 20), 5000, 64, 20),
     "pfpp": Layout(pfpp_item, equal_counts, 1000, 20, 1),
-    "jigsaw": Layout(jigsaw_item, _at_least(30), 5000, 20, 30),
+    "jigsaw": Layout(jigsaw_item, partial(counts_from, 30), 5000, 20, 30),
     "mpa": Layout(mpa_item, equal_counts, 1000, 20, 1),
 }

@@ -6,12 +6,12 @@ import hashlib
 import itertools
 import os
 from collections import OrderedDict
-from typing import Any, Iterable, Mapping, NamedTuple
+from typing import Any, Mapping, NamedTuple
 
 from . import _core, _inputs, _jobs, _options
 from ._errors import Error, FileError, InputError, UsageError, warn
 from ._solid import Solid
-from ._values import is_number, path_text
+from ._values import is_number, is_sequence, path_text
 
 _MOST_OF_ITERATOR = 2**20
 
@@ -47,7 +47,7 @@ def library_of(meshes: Any) -> list[Mesh]:
         return _files(path_text("meshes", meshes, FileError))
     if isinstance(meshes, Solid) or hasattr(meshes, "vertices") or _is_array(meshes) or _is_pair(meshes):
         meshes = [meshes]
-    if not isinstance(meshes, Iterable):
+    if not is_sequence(meshes):
         raise UsageError(f"meshes: a {type(meshes).__name__} is neither a folder nor several meshes")
     most = None if hasattr(meshes, "__len__") else _MOST_OF_ITERATOR + 1
     found = [_mesh(number, mesh) for number, mesh in enumerate(itertools.islice(meshes, most))]

@@ -31,14 +31,17 @@ from ._errors import UsageError, warn
 from ._fracture import Fracture
 from ._layouts import LAYOUTS
 from ._library import library_of
-from ._options import documented_text
-from ._order import Order, Share, given_ranks, items_of_rank, share_of, whole
+from ._options import ROWS, documented_text
+from ._order import Order, Share, given_ranks, items_of_rank, share_of
 from ._solid import DEVICE, checked_device
+from ._values import flag, whole, word
 
 __all__ = ["FractureDataset", "collate", "collate_fragments"]
 
 _EPOCH, _IN_WORKERS = 0, 1  # positions in the tensor that workers share
-_PLACE = ("epoch", "position", "taken", "stream", "streams")  # in a state
+_PLACE = ("epoch", "position", "stream", "streams")  # in a state
+_MOST_NUMBER = 2**63 - 1  # of an item or an epoch: tensors of int64 hold them
+_MOST_POINTS = int(ROWS["points"].range.split("..")[1])
 
 
 class FractureDataset(IterableDataset[Any]):
@@ -61,7 +64,8 @@ class FractureDataset(IterableDataset[Any]):
         Points of an item, by the fragments' areas; of ``"fragments"``, ``"pfpp"`` and ``"mpa"`` points of each fragment.  The
         default is the loader's: 5000 or 1000; of ``"fragments"`` 1024.
     items : int, optional
-        Items of an epoch in all processes; each rank has ``items // world_size``, at least 1.  By default the stream is endless.
+        Items of an epoch in all processes; each rank has ``items // world_size``, at least 1.  They have the numbers 0 to ``items - 1``, less
+        what the ranks do not divide, whatever the processes.  By default the stream is endless.
     seed : int
         Of all random choices.
     repeats : int
@@ -71,7 +75,8 @@ class FractureDataset(IterableDataset[Any]):
     shuffle : bool
         Goes through the meshes in a random order each time; else in theirs, at first from the first on, then from a random one.
     on_error : str
-        ``"skip"``: a mesh that cannot be broken is left out with a warning, its fractures counted in `skipped`; ``"raise"``: it is an error.
+        ``"skip"``: a mesh that cannot be broken is left out with a warning, and a fracture of another takes each one's place; `skipped`
+        counts them.  ``"raise"``: it is an error.
     cache_bytes : int
         About how much memory the solids that are kept may take, in each process.
     threads : int, optional
@@ -116,20 +121,19 @@ class FractureDataset(IterableDataset[Any]):
         world_size: int | None = None,
         **options: Any,
     ) -> None:
-        if layout not in LAYOUTS:
-            raise UsageError(f"layout: {layout!r} is not one of {', '.join(LAYOUTS)}")
-        if on_error not in ("skip", "raise"):
-            raise UsageError(f"on_error: {on_error!r} is neither 'skip' nor 'raise'")
-        self._items = None if items is None else whole("items", items, 1)
-        self._threads = None if threads is None else whole("threads", threads, 0)
+        word("layout", layout, LAYOUTS)
+        word("on_error", on_error, ("skip", "raise"))
+        self._items = None if items is None else whole("items", items, 1, _MOST_NUMBER)
+        self._threads = None if threads is None else whole("threads", threads, 0, 4096)
         self._given_ranks = given_ranks(rank, world_size)
         self._known_ranks: tuple[int, int] | None = None
         if self._items is not None:
             items_of_rank(self._items, self._ranks()[1])  # is there one?
         self._options, meshes = Drawn(options), library_of(meshes)
-        self._order = Order(len(meshes), whole("seed", seed, 0), whole("repeats", repeats, 1), whole("mix", mix, 1), bool(shuffle))
-        self._breaker = Breaker(meshes, self._options, layout, None if points is None else whole("points", points, 1),
-                                whole("cache_bytes", cache_bytes, 0), checked_device(device), on_error == "skip",
+        self._order = Order(len(meshes), whole("seed", seed, 0, 2**64 - 1), whole("repeats", repeats, 1, 2**32), whole("mix", mix, 1, 2**32),
+                            flag("shuffle", shuffle))  # fmt: skip
+        self._breaker = Breaker(meshes, self._options, layout, None if points is None else whole("points", points, 1, _MOST_POINTS),
+                                whole("cache_bytes", cache_bytes, 0, _MOST_NUMBER), checked_device(device), on_error == "skip",
                                 self._order.repeats * (self._order.mix + len(meshes)))  # fmt: skip
         self._meshes = meshes
         self._shared = torch.zeros(2, dtype=torch.int64).share_memory_()
@@ -145,7 +149,7 @@ class FractureDataset(IterableDataset[Any]):
 
     def set_epoch(self, epoch: int) -> None:
         """Chooses the epoch that the next iteration goes through; each has other fractures.  Reaches workers that persist, too."""
-        self._shared[_EPOCH] = whole("epoch", epoch, 0)
+        self._shared[_EPOCH] = epoch = whole("epoch", epoch, 0, _MOST_NUMBER)
         if self._resumed is not None and self._resumed["epoch"] != epoch:
             self._resumed = None
         if self._reached is not None and self._reached["epoch"] != epoch:
@@ -163,23 +167,21 @@ class FractureDataset(IterableDataset[Any]):
             self._shared[_IN_WORKERS] = 1
         if worker or self._threads is not None:
             _core.limit_threads(1 if self._threads is None else self._threads)
-        epoch, position, taken = int(self._shared[_EPOCH]), 0, 0
+        epoch, position = int(self._shared[_EPOCH]), 0
         resumed = self._pending()
         if resumed is not None:
             self._check_share(resumed, share)
-            position, taken = resumed["position"], resumed["taken"]
+            position = resumed["position"]
             resumed["used"].fill_(1)
-        self._resumed, self._reached = None, self._state(epoch, share, position, taken)
-        return self._stream(epoch, share, position, taken)
+        self._resumed, self._reached = None, self._state(epoch, share, position)
+        return self._stream(epoch, share, position)
 
-    def _stream(self, epoch: int, share: Share, position: int, taken: int) -> Iterator[dict[str, Any]]:
-        while share.items is None or taken < share.items:
-            item = self._breaker.item(self._order.slot(epoch, share, position))
+    def _stream(self, epoch: int, share: Share, position: int) -> Iterator[dict[str, Any]]:
+        for number in self._order.numbers(share, position):
+            item = self._breaker.item(self._order.attempts(epoch, number))
             position += 1
-            if item is not None:
-                taken += 1
-                self._reached = self._state(epoch, share, position, taken)
-                yield item
+            self._reached = self._state(epoch, share, position)
+            yield item
 
     def fracture(self, index: int, epoch: int | None = None) -> Fracture:
         """Breaks a mesh as for an item, of which the layout may not hold all: its meshes, its image.
@@ -191,8 +193,9 @@ class FractureDataset(IterableDataset[Any]):
         epoch : int, optional
             That of the item; by default the current one.
         """
-        number = whole("index", index, 0)
-        return self._breaker.fracture(self._order.item(int(self._shared[_EPOCH]) if epoch is None else epoch, number))
+        number = whole("index", index, 0, _MOST_NUMBER)
+        of = int(self._shared[_EPOCH]) if epoch is None else whole("epoch", epoch, 0, _MOST_NUMBER)
+        return self._breaker.fracture(self._order.attempts(of, number))
 
     # --- processes
 
@@ -216,8 +219,8 @@ class FractureDataset(IterableDataset[Any]):
         parts = [self._order, self._options, self._breaker.layout, self._breaker.points, self._items, *(mesh.identity for mesh in self._meshes)]
         return hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()
 
-    def _state(self, epoch: int, share: Share, position: int, taken: int) -> dict[str, Any]:
-        return {"epoch": epoch, "position": position, "taken": taken, "stream": share.stream, "streams": share.streams}
+    def _state(self, epoch: int, share: Share, position: int) -> dict[str, Any]:
+        return {"epoch": epoch, "position": position, "stream": share.stream, "streams": share.streams}
 
     def state_dict(self) -> dict[str, Any]:
         """Returns where the stream is: after the last item that was taken from it, in this process.
@@ -229,7 +232,7 @@ class FractureDataset(IterableDataset[Any]):
         if state is None:
             if int(self._shared[_IN_WORKERS]) and get_worker_info() is None:
                 warn(["state_dict: the workers of the DataLoader have the state; use torchdata's StatefulDataLoader"])
-            state = self._state(int(self._shared[_EPOCH]), share_of(self._items, *self._ranks(), 0, 1), 0, 0)
+            state = self._state(int(self._shared[_EPOCH]), share_of(self._items, *self._ranks(), 0, 1), 0)
         return {**{k: state[k] for k in _PLACE}, "identity": self._identity}
 
     def load_state_dict(self, state_dict: Mapping[str, Any]) -> None:
@@ -241,11 +244,14 @@ class FractureDataset(IterableDataset[Any]):
             The state is that of another stream: of other options, seed or items, other paths of meshes, or other meshes in memory.
             The content of files is not compared.
         """
+        if not isinstance(state_dict, Mapping):
+            raise UsageError(f"state_dict: a {type(state_dict).__name__} is no state")
         if state_dict.get("identity") != self._identity:
             raise UsageError("state_dict: it is that of another stream: meshes, options, seed or items differ")
+        place = {k: whole(f"state_dict: {k}", state_dict.get(k), 0, _MOST_NUMBER) for k in _PLACE}
         # Each epoch's worker is a copy of this process, so the first that uses the state marks it for all copies.
         used = torch.zeros(1, dtype=torch.int64).share_memory_()
-        self._resumed = {**{k: state_dict[k] for k in _PLACE}, "used": used}
+        self._resumed = {**place, "used": used}
         self._shared[_EPOCH] = self._resumed["epoch"]
 
     def _pending(self) -> dict[str, Any] | None:
@@ -266,6 +272,8 @@ FractureDataset.__doc__ = documented_text(FractureDataset.__doc__, ACCEPTED)
 
 def collate(items: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Makes a batch of items: arrays become tensors with an axis more, strings lists; arrays of different shapes lists of tensors."""
+    if not items:
+        raise UsageError("items: there are none to make a batch of")
     return {key: _stacked([item[key] for item in items]) for key in items[0]}
 
 

@@ -1,4 +1,5 @@
 """The order of an endless stream of fractures, and options that are drawn for it: no PyTorch is needed."""
+import itertools
 import json
 import subprocess
 import warnings
@@ -19,10 +20,14 @@ def shares(ranks, workers, items=None):
     return [share_of(items, rank, ranks, worker, workers) for rank in range(ranks) for worker in range(workers)]
 
 
+def slots_of(order, share, count, epoch=0):
+    return [order.item(epoch, number) for number in itertools.islice(order.numbers(share), count)]
+
+
 @pytest.mark.parametrize("repeats, mix, ranks, workers", [(1, 1, 1, 1), (1, 4, 2, 3), (8, 16, 2, 4), (3, 2, 1, 5)])
 def test_no_item_comes_twice_and_all_come(repeats, mix, ranks, workers):
     order, count = Order(7, 5, repeats, mix, True), 20 * repeats * mix
-    slots = [order.slot(2, share, position) for share in shares(ranks, workers) for position in range(count)]
+    slots = [slot for share in shares(ranks, workers) for slot in slots_of(order, share, count, epoch=2)]
     numbers = [slot.number for slot in slots]
     assert sorted(numbers) == list(range(count * ranks * workers))
     assert len({slot.seed for slot in slots}) == len(slots) and all(slot == order.item(2, slot.number) for slot in slots)
@@ -30,7 +35,7 @@ def test_no_item_comes_twice_and_all_come(repeats, mix, ranks, workers):
 
 def test_meshes_come_equally_often_and_in_another_order_each_time():
     order = Order(10, 0, 3, 4, True)
-    visits = [order.item(0, number).mesh for number in range(0, 3 * 100, 3)]
+    visits = [order.item(0, number).mesh for group in range(0, 3 * 100, 12) for number in range(group, group + 4)]
     passes = [visits[i : i + 10] for i in range(0, 100, 10)]
     assert all(sorted(each) == list(range(10)) for each in passes) and len({tuple(each) for each in passes}) == 10
     plain = [Order(4, 0, 2, 1, False).item(0, n).mesh for n in range(64)]
@@ -47,13 +52,13 @@ def test_every_stream_comes_to_every_mesh(shuffle):
         for streams in [*range(1, 2 * meshes + 1), meshes**2, meshes**3]:
             for stream in range(streams):
                 share = share_of(None, 0, 1, stream, streams)
-                seen[streams, stream] = {order.slot(0, share, position).mesh for position in range(0, 2 * 16 * meshes, 2)}
+                seen[streams, stream] = {slot.mesh for slot in slots_of(order, share, 2 * 16 * meshes)}
         assert all(each == set(range(meshes)) for each in seen.values()), (meshes, seen)
 
 
 def test_a_process_breaks_some_meshes_in_turn():
     order, (share,) = Order(100, 0, 3, 4, True), shares(1, 1)
-    meshes = [order.slot(0, share, position).mesh for position in range(24)]
+    meshes = [slot.mesh for slot in slots_of(order, share, 24)]
     assert meshes[:4] * 3 == meshes[:12] and meshes[12:16] * 3 == meshes[12:] and len(set(meshes)) == 8
 
 
@@ -69,6 +74,34 @@ def test_ranks_have_as_many_items_as_each_other():
         assert set(each) == {items // ranks}
     with pytest.raises(pysherd.UsageError, match="^items: 2 in all processes are fewer than the 4 ranks"):
         share_of(2, 0, 4, 0, 1)
+
+
+@pytest.mark.parametrize("items", [1, 7, 24, 100, 997])
+@pytest.mark.parametrize("repeats, mix", [(1, 1), (8, 16), (3, 2), (100, 1)])
+def test_an_epoch_has_the_same_items_whatever_the_processes(items, repeats, mix):
+    """0 to items - 1, each once; of ranks that do not divide them those that all have as many of.  A state goes on in the middle."""
+    order = Order(5, 1, repeats, mix, True)
+    for ranks, workers in ((1, 1), (1, 2), (1, 5), (2, 1), (3, 4), (7, 2)):
+        if items < ranks:
+            continue
+        each = [list(order.numbers(share)) for share in shares(ranks, workers, items)]
+        assert sorted(sum(each, [])) == list(range(items // ranks * ranks))
+        assert all(len(own) == share.items for own, share in zip(each, shares(ranks, workers, items)))
+        assert max(map(len, each)) - min(map(len, each)) <= 1
+        for own, share in zip(each, shares(ranks, workers, items)):
+            assert list(order.numbers(share, 3)) == own[3:]
+            visits = {number // (mix * repeats) * mix + number % mix for number in own}
+            assert len(visits) <= len(own) / repeats + 2 + mix  # whole but for the first and the last, and those that the end cuts off
+    (alone,) = shares(1, 1, items)
+    assert list(order.numbers(alone)) == list(range(items))
+
+
+def test_other_meshes_take_the_places_of_those_that_fail():
+    order = Order(6, 3, 4, 1, True)
+    slots = [list(itertools.islice(order.attempts(0, number), 200)) for number in range(8)]
+    assert all(slot.number == number for number, own in enumerate(slots) for slot in own)
+    assert [slot.mesh for slot in slots[0]] == [slot.mesh for slot in slots[3]] != [slot.mesh for slot in slots[4]]  # a visit's are the same
+    assert all({slot.mesh for slot in own} == set(range(6)) for own in slots) and len({slot.seed for own in slots for slot in own}) == 8 * 200
 
 
 def test_drawn_values_are_those_of_a_dataset(tmp_path):

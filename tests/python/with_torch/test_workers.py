@@ -9,10 +9,11 @@ import time
 import numpy as np
 import pytest
 from conftest import AMPHORA, run
-from streams import CUBES, fractures, loaded, stream
-from torch.utils.data import DataLoader
+from streams import CUBES, equal, fractures, loaded, stream
+from torch.utils.data import ChainDataset, DataLoader
 
 import pysherd
+from pysherd._layouts import LAYOUTS
 from pysherd.torch import collate
 
 
@@ -25,6 +26,43 @@ def test_workers_have_no_item_twice(method):
     by_seed = {int(item["seed"]): item for item in items}
     assert all(np.array_equal(by_seed[item["seed"]]["positions"], item["positions"]) for item in alone)
     assert sorted(fractures(loaded(stream(items=30, repeats=1, mix=1), 3))) == sorted(fractures(alone))
+
+
+@pytest.mark.parametrize("items", [13, 24])
+def test_workers_and_ranks_have_the_same_items(items):
+    """Those of one process: 0 to items - 1, whatever the workers; of two ranks as many of them as both have."""
+    alone = sorted((item["index"], *one) for item, one in ((item, fractures([item])[0]) for item in stream(items=items)))
+    assert [index for index, _, _ in alone] == list(range(items))
+    for workers in (1, 3):
+        own = loaded(stream(items=items), workers)
+        assert sorted((item["index"], *one) for item, one in zip(own, fractures(own))) == alone
+    ranks = [loaded(stream(items=items, rank=rank, world_size=2), 2) for rank in range(2)]
+    assert sorted((item["index"], *fractures([item])[0]) for rank in ranks for item in rank) == alone[: items // 2 * 2]
+
+
+@pytest.mark.filterwarnings("ignore::pysherd.SherdWarning")
+def test_workers_have_the_same_items_where_a_mesh_fails(tmp_path):
+    (tmp_path / "a.ply").write_text("ply\nthis is none\n")
+    for name in "bc":
+        (tmp_path / f"{name}.ply").write_bytes(AMPHORA.read_bytes())
+    of = {}
+    for workers in (0, 2):
+        of[workers] = sorted((item["index"], *fractures([item])[0]) for item in loaded(stream(tmp_path, items=20, resolution=16, repeats=3), workers))
+    assert of[0] == of[2] and [index for index, _, _ in of[0]] == list(range(20))
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+def test_every_layout_under_every_start_of_workers(method):
+    """One worker takes all, since a process that is spawned imports PyTorch."""
+    data = [stream(CUBES[:1], layout=layout, points=None, items=1, pieces=3) for layout in LAYOUTS]
+    loader = DataLoader(ChainDataset(data), batch_size=None, num_workers=1, multiprocessing_context=method, timeout=100)
+    items = list(loader)
+    assert len(items) == len(LAYOUTS) and all(map(equal, (plain(item) for item in items), (plain(next(iter(own))) for own in data)))
+
+
+def plain(item):
+    """With arrays for the tensors that workers give."""
+    return {key: np.asarray(value) for key, value in item.items()}
 
 
 def test_batches_under_workers():
