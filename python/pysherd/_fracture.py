@@ -66,6 +66,11 @@ class Fracture(Sequence[Fragment]):
         return self._made(meshes=False)
 
     @property
+    def _sampled(self) -> _core.Fragments:
+        """The fragments as the surfaces have them that points lie on."""
+        return file_errors(_core.sampled_fragments(self._core), None, self._is_loaded)
+
+    @property
     def _meshed(self) -> _core.Fragments:
         return self._made(meshes=True)
 

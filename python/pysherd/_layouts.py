@@ -108,13 +108,13 @@ def sample_of(f: Fracture, layout: Layout, points: int, texts: list[tuple[str, s
     **named
         The other members of the sample.
     """
-    measured = f._measured
-    areas = np.array([measured.area(i) for i in range(len(f))])
+    sampled = f._sampled
+    areas = np.array([sampled.area(i) for i in range(len(f))])
     counts = layout.counts(areas, points)
     positions, normals, neighbor, _ = _jobs.finish(_core.points(f._core, [("points", str(max(counts))), *texts], counts))
     low, high = map(np.array, box)
     center, size = (low + high) / 2, float((high - low).max())
-    most, pairs, ends = layout.fragments or len(f), f.contacts.fragments - 1, np.cumsum(counts)[:-1]
+    most, pairs, ends = layout.fragments or len(f), sampled.contacts()[0] - 1, np.cumsum(counts)[:-1]
     graph = np.zeros((most, most), bool)
     graph[pairs[:, 0], pairs[:, 1]] = graph[pairs[:, 1], pairs[:, 0]] = True
     return Sample(np.split((positions - center) / size, ends), np.split(normals, ends), np.split(neighbor.astype(np.int64), ends),

@@ -73,6 +73,14 @@ Job* fragmentsJob(FracturePtr fracture, bool meshes) {
   });
 }
 
+// The fragments with the areas and contacts of the surfaces that points lie on.
+Job* sampledJob(FracturePtr fracture) {
+  return jobOf(std::move(fracture), [](FracturePtr of, const Progress& progress) -> Made {
+    const auto& all = of->sampled(progress);
+    return [made = Fragments{std::move(of), &all}] { return nb::cast(made); };
+  });
+}
+
 // Points of all fragments, one after another.
 struct AllPoints {
   std::vector<glm::dvec3> positions, normals;
@@ -222,6 +230,7 @@ void bindFractures(nb::module_& module) {
   module.def("load", loadJob, nb::rv_policy::take_ownership);
   module.def("labels", labelsJob, nb::rv_policy::take_ownership);
   module.def("fragments", fragmentsJob, nb::rv_policy::take_ownership);
+  module.def("sampled_fragments", sampledJob, nb::rv_policy::take_ownership);
   module.def("points", pointsJob, nb::arg("fracture"), nb::arg("given"),
              nb::arg("counts") = std::vector<std::size_t>{}, nb::rv_policy::take_ownership);
   module.def("save", saveJob, nb::rv_policy::take_ownership);

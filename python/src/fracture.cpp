@@ -24,10 +24,13 @@ using sherd::Progress;
 
 namespace {
 
-std::vector<std::size_t> pointCounts(const std::vector<Fragment>& fragments, std::size_t count,
-                                     const PointChoice& choice) {
+// Returns the points of each fragment; only a total needs their areas.
+std::vector<std::size_t> pointCounts(Fracture& fracture, const PointChoice& choice,
+                                     const Progress& progress) {
+  const std::size_t count = fracture.count();
   if (choice.counts.size() == count) return choice.counts;
   if (!choice.isShared) return std::vector<std::size_t>(count, choice.points.count);
+  const std::vector<Fragment>& fragments = fracture.sampled(progress);
   std::vector<double> areas;
   for (std::size_t i = 0; i < count; ++i) areas.push_back(fragments[i].area);
   return sherd::shareOut(choice.points.count, areas);
@@ -84,8 +87,7 @@ const HandedArrays& Fracture::arrays(std::size_t i) {
 std::vector<sherd::SurfacePoints> Fracture::points(PointChoice choice, const Progress& progress) {
   choice.points.seed = seed();
   sherd::checkPointOptions(choice.points);
-  const std::vector<Fragment>& fragments = measured(progress);
-  const std::vector<std::size_t> counts = pointCounts(fragments, count(), choice);
+  const std::vector<std::size_t> counts = pointCounts(*this, choice, progress);
   std::vector<sherd::SurfacePoints> points(count());
   const auto sampleEach = [&](const auto& surfaceOf) {
     sherd::reportProgress(&progress, "points", 0.0);
@@ -144,31 +146,36 @@ sherd::SurfaceOptions GrownPieces::surface(bool meshes) const {
   return options;
 }
 
+// Measures fragments by their surfaces before triangles are merged, once; false where meshes alone
+// have them.
+bool GrownPieces::measureSurfaces(const Progress& progress) {
+  if (!canLackMeshes(surface(false))) return false;
+  const std::lock_guard lock(making_);
+  if (!isMeasured_) measureFragments(grown_, grown_.result, &progress);
+  isMeasured_ = true;
+  return true;
+}
+
 // Measures are those of the meshes, which differ from the surfaces before triangles are merged.
 const std::vector<Fragment>& GrownPieces::measured(const Progress& progress) {
   if (!canLackMeshes(surface(false))) return meshed(progress);
-  {
+  const bool isMerged = [&] {
     const std::lock_guard lock(making_);
     if (!isMerged_) {
       isMerged_ =
           simplificationOf(surface(true), grown_.result.solid, grown_.surface.get()).isAny();
     }
-    if (!*isMerged_ && !isMeasured_) {
-      measureFragments(grown_, grown_.result, &progress);
-      isMeasured_ = true;
-    }
-  }
-  return *isMerged_ ? meshed(progress) : grown_.result.fragments;
+    return *isMerged_;
+  }();
+  return isMerged ? meshed(progress) : sampled(progress);
+}
+
+const std::vector<Fragment>& GrownPieces::sampled(const Progress& progress) {
+  return measureSurfaces(progress) ? grown_.result.fragments : meshed(progress);
 }
 
 const sherd::FragmentSurfaces* GrownPieces::surfaces(const Progress& progress) {
-  const std::lock_guard lock(making_);
-  sherd::FractureResult& result = grown_.result;
-  if (result.surfaces) return result.surfaces.get();
-  sherd::SurfaceOptions options = surface(true);
-  options.points = true;
-  if (!result.unmerged) result.unmerged = unmergedSurfaces(grown_, result, options, &progress);
-  return result.unmerged.get();
+  return measureSurfaces(progress) ? grown_.result.surfaces.get() : nullptr;
 }
 
 std::vector<Fragment> GrownPieces::made(const Progress& progress) {

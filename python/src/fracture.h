@@ -56,6 +56,12 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// The fragments with mass, areas, voxels and contacts; perhaps without meshes.
   [[nodiscard]] virtual const std::vector<sherd::Fragment>& measured(const sherd::Progress&) = 0;
 
+  /// The same of the surfaces that points are sampled on: without meshes also where the triangles
+  /// of these are merged, whose areas and contacts differ slightly.
+  [[nodiscard]] virtual const std::vector<sherd::Fragment>& sampled(const sherd::Progress& p) {
+    return measured(p);
+  }
+
   /// The same once their meshes are made, which are in arrays() or still in the fragments.
   [[nodiscard]] const std::vector<sherd::Fragment>& meshed(const sherd::Progress& progress);
 
@@ -98,7 +104,7 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// Whether made() gives the same again.
   [[nodiscard]] virtual bool canBeMadeAgain() const { return true; }
 
-  /// What points of fragments are sampled on, after measured(); null: their meshes.
+  /// What points of fragments are sampled on; null: their meshes.
   [[nodiscard]] virtual const sherd::FragmentSurfaces* surfaces(const sherd::Progress&) {
     return nullptr;
   }
@@ -131,6 +137,7 @@ class GrownPieces : public Fracture {
   [[nodiscard]] VoxelIds labels() const override;
   [[nodiscard]] std::uint64_t seed() const override { return run_.fracture.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
+  [[nodiscard]] const std::vector<sherd::Fragment>& sampled(const sherd::Progress&) override;
   [[nodiscard]] std::string exactFailure() const override;
   [[nodiscard]] std::vector<std::string> guideWarnings() const override {
     return grown_.result.guideWarnings;
@@ -153,11 +160,12 @@ class GrownPieces : public Fracture {
 
  private:
   [[nodiscard]] sherd::SurfaceOptions surface(bool meshes) const;
+  bool measureSurfaces(const sherd::Progress& progress);
 
   SolidPtr solid_;
   GivenOptions given_;
   sherd::RunOptions run_;
-  sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of measured()
+  sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of sampled()
   bool isMeasured_ = false;
   std::optional<bool> isMerged_;  // once it is known, guarded by making_
   std::string exactFailure_;

@@ -155,8 +155,7 @@ void writePoints(FileSink& sink, const std::string& file, const PfppFracture& fr
 std::vector<std::size_t> countsByArea(const FractureResult& result) {
   constexpr std::size_t kLeast = 30;
   const std::size_t parts = result.kept();
-  std::vector<std::size_t> counts =
-      sharedCounts(std::span(result.fragments).first(parts), kPfppPointsShared - kLeast * parts);
+  std::vector<std::size_t> counts = sharedCounts(result, parts, kPfppPointsShared - kLeast * parts);
   for (std::size_t& count : counts) count += kLeast;
   return counts;
 }

@@ -172,7 +172,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
                      result_.labels.splits, progress);
   }
   if (!files_.points.empty() && write.sharePoints) {
-    const std::vector<std::size_t> counts = sharedCounts(kept(), write.points.count);
+    const std::vector<std::size_t> counts =
+        sharedCounts(result_, result_.kept(), write.points.count);
     tbb::parallel_for(std::size_t{0}, counts.size(), [&](std::size_t i) {
       throwIfCancelled(progress);
       writePointsOf(folder_, files_.points[i], result_, i, counts[i], options_.seed, write);

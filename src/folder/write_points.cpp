@@ -1,14 +1,21 @@
 // Writes points and distance samples of a fracture.
 #include "folder/write_points.h"
 
+#include <cstdint>
+#include <span>
+
 #include "points/sample_surface.h"
 #include "surface/fragment_surfaces.h"
 
 namespace sherd {
 
-std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments, std::size_t count) {
+std::vector<std::size_t> sharedCounts(const FractureResult& result, std::size_t fragments,
+                                      std::size_t count) {
   std::vector<double> areas;
-  for (const Fragment& fragment : fragments) areas.push_back(fragment.area);
+  for (const Fragment& fragment : std::span(result.fragments).first(fragments)) {
+    const auto id = static_cast<std::uint16_t>(fragment.id);
+    areas.push_back(result.unmerged ? result.unmerged->measured(id).area : fragment.area);
+  }
   return shareOut(count, areas);
 }
 

@@ -4,7 +4,6 @@
 
 #include <sherd/folder.h>
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -12,9 +11,10 @@
 
 namespace sherd {
 
-/// Returns [fragments] counts that distribute `count` points by area.
-[[nodiscard]] std::vector<std::size_t> sharedCounts(std::span<const Fragment> fragments,
-                                                    std::size_t count);
+/// Returns [fragments] counts that distribute `count` points over the first fragments by area, of
+/// the surfaces that points lie on: the same whether or not there are meshes.
+[[nodiscard]] std::vector<std::size_t> sharedCounts(const FractureResult& result,
+                                                    std::size_t fragments, std::size_t count);
 
 /// Samples points on fragment i.
 ///   points  `count` of it; `seed` of the fracture

@@ -18,7 +18,6 @@
 #include "seed/split_impacts.h"
 #include "seed/wall.h"
 #include "surface/extract.h"
-#include "surface/simplify.h"
 #include "surface/smooth.h"
 #include "voxelize/region.h"
 #include "voxelize/wall_middles.h"
@@ -356,15 +355,6 @@ void measureFragments(const GrownFracture& grown, FractureResult& result,
   result.fragments = measuredFragments(*result.surfaces, result.solid, result.labels,
                                        grown.unerodedOrNull(), progress);
   reportProgress(progress, "extract", 1.0);
-}
-
-std::shared_ptr<const FragmentSurfaces> unmergedSurfaces(const GrownFracture& grown,
-                                                         const FractureResult& result,
-                                                         const SurfaceOptions& options,
-                                                         const Progress* progress) {
-  if (!keepsUnmerged(options)) return nullptr;
-  if (!simplificationOf(options, result.solid, grown.surface.get()).isAny()) return nullptr;
-  return surfacesOf(grown, result, progress);
 }
 
 FractureResult extracted(GrownFracture grown, const FractureOptions& options,

@@ -99,11 +99,6 @@ struct GrownFracture {
 /// Sets the surfaces and the fragments without meshes.
 void measureFragments(const GrownFracture& grown, FractureResult& result, const Progress* progress);
 
-/// Returns FractureResult::unmerged.
-[[nodiscard]] std::shared_ptr<const FragmentSurfaces> unmergedSurfaces(
-    const GrownFracture& grown, const FractureResult& result, const SurfaceOptions& options,
-    const Progress* progress);
-
 /// Cut the fragments out.  Thread-safe; does not use the device.
 ///   return  with FractureResult::surfaces also where there are meshes that are neither smoothed
 ///   nor
