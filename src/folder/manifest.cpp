@@ -18,6 +18,7 @@
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
 #include "folder/split_parents.h"
+#include "formats/voxels/vdb_unit.h"
 #include "options/record.h"
 #include "surface/fragment_surfaces.h"
 #include "surface/region_edges.h"
@@ -272,6 +273,9 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   }
   if (!result.exactFailure.empty()) manifest["exact_failure"] = result.exactFailure;
   manifest["grid"] = gridJson(source, options, result);
+  const double unit = vdbUnitOf(result.solid.frame.voxelSize, write.vdbOptions.half);
+  const bool hasVdb = !files.vdb.empty() || !files.allVdb.empty() || !files.solidVdb.empty();
+  if (hasVdb && unit != 1.0) manifest["grid"]["vdb_unit"] = unit;
   manifest["components"] = result.components;
   if (result.sizeError > 0.0) manifest["size_error"] = result.sizeError;
   manifest["effective_number"] = effectiveNumber(result);

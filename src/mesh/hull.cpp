@@ -6,8 +6,10 @@
 #include <sherd/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <new>
@@ -129,6 +131,17 @@ std::vector<glm::dvec3> cornersOf(const std::vector<HalfSpace>& sides) {
   return corners;
 }
 
+// Returns the power of two next to the points' greatest distance from a point along an axis: some
+// of Qhull's bounds are absolute.
+double unitOf(const std::vector<glm::dvec3>& points, const glm::dvec3& from) {
+  double farthest = 0.0;
+  for (const glm::dvec3& p : points) {
+    const glm::dvec3 apart = glm::abs(p - from);
+    farthest = std::max({farthest, apart.x, apart.y, apart.z});
+  }
+  return farthest > 0.0 ? std::exp2(std::ilogb(farthest)) : 1.0;
+}
+
 }  // namespace
 
 std::vector<HalfSpace> convexHull(std::vector<glm::dvec3> points) {
@@ -141,7 +154,9 @@ TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset) {
   glm::dvec3 mean(0.0);
   for (const glm::dvec3& p : points) mean += p;
   mean /= static_cast<double>(std::max<std::size_t>(points.size(), 1));
-  for (glm::dvec3& p : points) p -= mean;
+  const double unit = unitOf(points, mean);
+  for (glm::dvec3& p : points) p = (p - mean) / unit;
+  inset /= unit;
   if (inset > 0.0) {
     std::vector<HalfSpace> sides = convexHull(points);
     double room = std::numeric_limits<double>::infinity();
@@ -152,7 +167,7 @@ TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset) {
   Quickhull quickhull;
   hullOf(quickhull, points);
   TriangleMesh mesh = quickhull.mesh(points);
-  for (glm::dvec3& v : mesh.vertices) v += mean;
+  for (glm::dvec3& v : mesh.vertices) v = v * unit + mean;
   return mesh;
 }
 

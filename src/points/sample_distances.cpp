@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "base/formatted.h"
 #include "base/half_float.h"
 #include "base/random.h"
 #include "mesh/surface_by_area.h"
@@ -30,7 +31,7 @@ void check(const DistanceOptions& options) {
   }
   if (!(options.sigma > 0.0 && std::isfinite(options.sigma))) {
     throw Error(ErrorCode::usage, "the standard deviation of distance samples is " +
-                                      std::to_string(options.sigma) + ", expected above 0");
+                                      formatted("%g", options.sigma) + ", expected above 0");
   }
 }
 
@@ -50,7 +51,7 @@ void requireRoom(const Box& box, const DistanceOptions& options) {
   const double farthest = std::max({far.x, far.y, far.z, glm::length(box.max - box.min)});
   const double reach = farthest + 18.0 * options.sigma;
   if (reach < largestOf(options.type)) return;
-  throw Error(ErrorCode::usage, "distance samples reach to " + std::to_string(reach) +
+  throw Error(ErrorCode::usage, "distance samples reach to " + formatted("%g", reach) +
                                     ", beyond the range of their type; use float32, or move the "
                                     "mesh nearer to the origin");
 }

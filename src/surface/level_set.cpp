@@ -9,22 +9,13 @@
 #include <cmath>
 #include <memory>
 
+#include "voxelize/distance.h"
+
 namespace sherd {
 namespace {
 
 using openvdb::FloatGrid;
 using Leaf = FloatGrid::TreeType::LeafNodeType;
-
-// Grids are made through GridBase, whose virtual functions OpenVDB's library holds; FloatGrid's own
-// would compile the whole class here.
-FloatGrid::Ptr emptyLike(const FloatGrid& solid) {
-  const openvdb::GridBase& base = solid;
-  const auto grid = openvdb::gridPtrCast<FloatGrid>(base.copyGridWithNewTree());
-  grid->clearMetadata();
-  grid->setGridClass(openvdb::GRID_LEVEL_SET);
-  grid->setName("surface");
-  return grid;
-}
 
 // Adds the solid's leaf unchanged, or an inside tile where the solid has no leaf and is inside.
 void addWhole(FloatGrid& grid, const FloatGrid& solid, const openvdb::Coord& origin) {
@@ -39,7 +30,10 @@ void addWhole(FloatGrid& grid, const FloatGrid& solid, const openvdb::Coord& ori
 
 ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint16_t fragment,
                                    std::span<const std::uint32_t> leaves) {
-  FloatGrid::Ptr grid = emptyLike(*solid.distance);
+  const FloatGridPtr grid = emptyLike(*solid.distance);
+  grid->clearMetadata();
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setName("surface");
   const float band = grid->background();
   const auto voxelSize = static_cast<float>(solid.frame.voxelSize);
   for (const std::uint32_t at : leaves) {
@@ -76,8 +70,7 @@ ConstFloatGridPtr fragmentLevelSet(const Solid& solid, const Cut& cut, std::uint
 }
 
 std::shared_ptr<FloatGrid> fogVolume(const FloatGrid& levelSet) {
-  const openvdb::GridBase& base = levelSet;
-  const auto fog = openvdb::gridPtrCast<FloatGrid>(base.deepCopyGrid());
+  const FloatGridPtr fog = copyOf(levelSet);
   openvdb::tools::sdfToFogVolume(*fog);
   return fog;
 }

@@ -12,6 +12,7 @@
 #include <bit>
 #include <cmath>
 #include <memory>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -51,13 +52,32 @@ void forEachInsideTile(const FloatGrid& grid, const Visit& visit) {
   }
 }
 
+// OpenVDB's constructors refuse voxels under 1.44e-5 units, whose volume is below their tolerance
+// of 3e-15, but its maps read and apply any size.  So the transform is read as a file has it.  Its
+// copies go through those constructors: grids share it instead.
+openvdb::math::Transform::Ptr transformOf(const GridFrame& frame) {
+  using openvdb::Vec3d;
+  openvdb::initialize();  // registers the kinds of maps
+  std::stringstream stored;
+  openvdb::io::setCurrentVersion(stored);  // else it is taken for an old file
+  openvdb::writeString(stored, openvdb::math::UniformScaleTranslateMap::mapType());
+  const double inverse = 1.0 / frame.voxelSize;
+  const Vec3d values[] = {{frame.origin.x, frame.origin.y, frame.origin.z},
+                          Vec3d(frame.voxelSize),    // scale
+                          Vec3d(frame.voxelSize),    // sides of a voxel
+                          Vec3d(inverse),            // inverse of the scale,
+                          Vec3d(inverse * inverse),  // its square
+                          Vec3d(inverse / 2.0)};     // and its half
+  for (const Vec3d& value : values) value.write(stored);
+  auto transform = std::make_shared<openvdb::math::Transform>();
+  transform->read(stored);
+  return transform;
+}
+
 // A grid without values, to be filled by leaves and tiles.
 FloatGrid::Ptr emptyLevelSet(const GridFrame& frame) {
   FloatGrid::Ptr grid = FloatGrid::create(background(frame));
-  openvdb::math::Transform::Ptr transform =
-      openvdb::math::Transform::createLinearTransform(frame.voxelSize);
-  transform->postTranslate({frame.origin.x, frame.origin.y, frame.origin.z});
-  grid->setTransform(transform);
+  grid->setTransform(transformOf(frame));
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setName("surface");
   return grid;
@@ -166,6 +186,21 @@ std::function<float(const glm::dvec3&)> samplesOf(ConstFloatGridPtr grid) {
 
 FloatGridPtr uniformGrid(float value) { return FloatGrid::create(value); }
 
+void setFrame(FloatGrid& grid, const GridFrame& frame) { grid.setTransform(transformOf(frame)); }
+
+FloatGridPtr emptyLike(const FloatGrid& grid) {
+  // Of the ways to copy a grid, only this one shares the transform.
+  const FloatGridPtr empty = openvdb::ConstPtrCast<FloatGrid>(grid.copyReplacingMetadata(grid));
+  empty->newTree();
+  return empty;
+}
+
+FloatGridPtr copyOf(const FloatGrid& grid) {
+  const FloatGridPtr copy = emptyLike(grid);
+  copy->setTree(grid.tree().copy());
+  return copy;
+}
+
 void unite(FloatGrid& grid, FloatGrid& other) { openvdb::tools::csgUnion(grid, other); }
 
 GridFrame frameOf(const FloatGrid& grid) {
@@ -179,16 +214,20 @@ double smallestVoxel(const FloatGrid& grid) {
 }
 
 bool isSolidLevelSet(const FloatGrid& grid) {
-  constexpr double kSmallest = 1e-30;  // distances are single-precision numbers
   if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !grid.transform().isLinear()) return false;
-  const openvdb::Mat4d m = grid.transform().baseMap()->getAffineMap()->getMat4();
-  const double size = m(0, 0);
-  if (!(size > kSmallest && size < 1.0 / kSmallest)) return false;
-  for (int row = 0; row < 3; ++row) {
-    if (!std::isfinite(m(3, row))) return false;
-    for (int column = 0; column < 3; ++column) {
-      const double expected = row == column ? size : 0.0;
-      if (!(std::abs(m(row, column) - expected) <= 1e-9 * size)) return false;
+  // Not by the map's matrix, which OpenVDB refuses for small voxels.
+  const openvdb::math::MapBase& map = *grid.transform().baseMap();
+  const openvdb::Vec3d origin = map.applyMap(openvdb::Vec3d(0.0));
+  const double size = map.applyJacobian(openvdb::Vec3d(1.0, 0.0, 0.0))[0];
+  if (!(size >= kSmallestVoxel && size <= kLargestVoxel)) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(origin[axis])) return false;
+    openvdb::Vec3d along(0.0);
+    along[axis] = 1.0;
+    const openvdb::Vec3d step = map.applyJacobian(along);
+    for (int k = 0; k < 3; ++k) {
+      const double expected = k == axis ? size : 0.0;
+      if (!(std::abs(step[k] - expected) <= 1e-9 * size)) return false;
     }
   }
   constexpr double kHalfFloats = 0.01;  // grids may be saved with 11 bits
@@ -343,7 +382,7 @@ LeafBlocks leafBlocks(const FloatGrid& grid) {
 
 ConstFloatGridPtr withoutVoxels(const FloatGrid& grid, const LeafBlocks& blocks,
                                 const std::function<bool(std::size_t)>& isSmallComponent) {
-  FloatGrid::Ptr copy = grid.deepCopy();
+  const FloatGridPtr copy = copyOf(grid);
   FloatGrid::Accessor accessor = copy->getAccessor();
   blocks.forEachInside([&](std::size_t voxelIndex) {
     if (!isSmallComponent(voxelIndex)) return;

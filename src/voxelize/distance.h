@@ -41,6 +41,23 @@ void addVoxels(openvdb::FloatGrid& grid, LeafBlocks& blocks,
 /// Replaces `grid` by the union of two level sets of one frame; `other` is consumed.
 void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 
+/// Sizes of voxels, world units: distances of a thousandth of a voxel, and of three, are normal
+/// numbers in single precision.
+inline constexpr double kSmallestVoxel = 1e-34, kLargestVoxel = 1e37;
+
+/// Longest sides of a mesh that can be voxelized, world units.
+inline constexpr double kShortestMesh = 1e-30, kLongestMesh = 1e37;
+
+/// Gives a grid the transform of a frame, of any voxel size.  OpenVDB refuses to copy the transform
+/// where voxels are under 1.44e-5 units, as its own copies of a grid do: use those below.
+void setFrame(openvdb::FloatGrid& grid, const GridFrame& frame);
+
+/// Returns a grid with the transform, metadata and background of another, without its values.
+[[nodiscard]] FloatGridPtr emptyLike(const openvdb::FloatGrid& grid);
+
+/// Returns a copy of a grid, which shares the transform.
+[[nodiscard]] FloatGridPtr copyOf(const openvdb::FloatGrid& grid);
+
 /// Returns the frame of a grid.
 [[nodiscard]] GridFrame frameOf(const openvdb::FloatGrid& grid);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/cancel_flag.h"
+#include "base/formatted.h"
 #include "mesh/joined.h"
 #include "mesh/repair.h"
 #include "mesh/seams.h"
@@ -53,20 +54,24 @@ MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
   throwIfCancelled(progress);
   // As one mesh: the volume of an open part depends on the point that it is taken about.
   const double volumeVoxels = volume(joined(out.clean.mesh, out.clean.caps));
-  out.report.meshVolume = volumeVoxels * std::pow(voxelSize, 3);
+  out.report.meshVolume = volumeVoxels * (voxelSize * voxelSize * voxelSize);
   out.report.walls = wallThickness(out.clean, longestSide(bounds(out.mesh)), volumeVoxels);
   return out;
 }
 
 // Returns the longest side of a mesh's box.
-//   throws  Error(input) unless it is finite and above 0
+//   throws  Error(input) unless it is in the range of lengths
 double checkedLongestSide(const TriangleMesh& mesh) {
   const double longest = longestSide(bounds(mesh));
   if (!(longest > 0.0) || !std::isfinite(longest)) {
     throw Error(ErrorCode::input,
                 "the longest side of the mesh's box is not a finite number above 0");
   }
-  return longest;
+  if (longest >= kShortestMesh && longest <= kLongestMesh) return longest;
+  std::ostringstream text;
+  text << "the longest side of the mesh's box is " << longest << ", supported are " << kShortestMesh
+       << " to " << kLongestMesh << " (scale it)";
+  throw Error(ErrorCode::input, text.str());
 }
 
 // Checks the thickness only where the fill may be a shell.
@@ -142,6 +147,12 @@ double voxelSizeFor(const TriangleMesh& mesh, const SolidOptions& options) {
          << " long, so expected " << longest / kLargestResolution << " or more";
     throw Error(ErrorCode::usage, text.str());
   }
+  if (options.voxelSize > kLargestVoxel) {
+    std::ostringstream text;
+    text << "a voxel size of " << options.voxelSize << " is out of range; expected at most "
+         << kLargestVoxel;
+    throw Error(ErrorCode::usage, text.str());
+  }
   return options.voxelSize;
 }
 
@@ -193,7 +204,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   if (solid.voxels == 0) {
     throw Error(ErrorCode::input,
                 "no voxel center lies inside the mesh at a voxel size of " +
-                    std::to_string(solid.frame.voxelSize) + "; try a higher resolution",
+                    formatted("%g", solid.frame.voxelSize) + "; try a higher resolution",
                 OptionNames{"resolution"});
   }
   reportProgress(progress, "voxelize", 1.0);

@@ -16,9 +16,11 @@
 #include "base/atomic_file.h"
 #include "base/input_error.h"
 #include "base/version.h"
+#include "formats/voxels/vdb_unit.h"
 #include "grow/check_labels.h"
 #include "mesh/principal_inertia.h"
 #include "surface/level_set.h"
+#include "voxelize/distance.h"
 
 namespace sherd {
 namespace {
@@ -69,24 +71,27 @@ openvdb::MetaMap commonMetadata(const GridMetadata& gridMetadata) {
   return metadata;
 }
 
-openvdb::MetaMap pieceMetadata(const Fragment& fragment, const GridMetadata& gridMetadata) {
-  const glm::dvec3& centroid = fragment.mass.centroid;
+// In the file's unit, of which one is so many world units: masses are what they are.
+openvdb::MetaMap pieceMetadata(const Fragment& fragment, const GridMetadata& gridMetadata,
+                               double unit) {
+  const double square = unit * unit, cube = square * unit;
+  const glm::dvec3 centroid = fragment.mass.centroid / unit;
   const PrincipalInertia inertia = principalInertia(fragment.mass);
-  const glm::dvec3 moments = gridMetadata.density * inertia.moments;
+  const glm::dvec3 moments = gridMetadata.density * inertia.moments / square;
   const glm::dquat& rotation = inertia.orientation;
   openvdb::MetaMap metadata = commonMetadata(gridMetadata);
   metadata.insertMeta("piece", openvdb::StringMetadata("piece" + std::to_string(fragment.id)));
   metadata.insertMeta("fragment_id", openvdb::Int32Metadata(fragment.id));
   metadata.insertMeta("pivot", openvdb::Vec3DMetadata({centroid.x, centroid.y, centroid.z}));
-  metadata.insertMeta("volume", openvdb::DoubleMetadata(fragment.mass.volume));
-  metadata.insertMeta("density", openvdb::DoubleMetadata(gridMetadata.density));
+  metadata.insertMeta("volume", openvdb::DoubleMetadata(fragment.mass.volume / cube));
+  metadata.insertMeta("density", openvdb::DoubleMetadata(gridMetadata.density * cube));
   metadata.insertMeta("mass", openvdb::DoubleMetadata(gridMetadata.density * fragment.mass.volume));
   metadata.insertMeta("inertia", openvdb::Vec3DMetadata({moments.x, moments.y, moments.z}));
   metadata.insertMeta("inertia_orient",
                       openvdb::Vec4DMetadata({rotation.x, rotation.y, rotation.z, rotation.w}));
-  metadata.insertMeta("area_inside", openvdb::DoubleMetadata(fragment.fractureArea));
+  metadata.insertMeta("area_inside", openvdb::DoubleMetadata(fragment.fractureArea / square));
   metadata.insertMeta("area_outside",
-                      openvdb::DoubleMetadata(fragment.area - fragment.fractureArea));
+                      openvdb::DoubleMetadata((fragment.area - fragment.fractureArea) / square));
   if (!gridMetadata.parents.empty()) {
     metadata.insertMeta(
         "parent_id",
@@ -95,10 +100,17 @@ openvdb::MetaMap pieceMetadata(const Fragment& fragment, const GridMetadata& gri
   return metadata;
 }
 
+void addUnit(openvdb::MetaMap& metadata, double unit) {
+  if (unit != 1.0) metadata.insertMeta(kVdbUnit, openvdb::DoubleMetadata(unit));
+}
+
 // Adds the level set and, with options.fog, its fog volume under another name.
-void addGrids(openvdb::GridCPtrVec& grids, const openvdb::FloatGrid& levelSet,
-              const std::string& number, const openvdb::MetaMap& metadata,
+void addGrids(openvdb::GridCPtrVec& grids, const openvdb::FloatGrid& ofWorld,
+              const std::string& number, openvdb::MetaMap metadata, double unit,
               const VdbOptions& options) {
+  addUnit(metadata, unit);
+  const FloatGridPtr inFile = unit == 1.0 ? nullptr : inVdbUnit(ofWorld, unit);
+  const openvdb::FloatGrid& levelSet = inFile ? *inFile : ofWorld;
   const auto add = [&](const openvdb::GridBase::Ptr& grid, const std::string& name) {
     grid->setName(name + number);
     grid->setSaveFloatAsHalf(options.half);
@@ -195,14 +207,21 @@ void writeGrids(const OutputFile& file, VdbCompression compression, Make&& make)
   file.write(bytes);
 }
 
+double unitOf(const openvdb::FloatGrid& levelSet, const VdbOptions& options) {
+  return vdbUnitOf(frameOf(levelSet).voxelSize, options.half);
+}
+
 // Returns a grid with a value for each inside voxel.
+//   like     a grid on the same voxels
 //   valueOf  (voxel) an index into the blocks
 template <class ValueOf>
-openvdb::Int32Grid::Ptr voxelGrid(const LeafBlocks& blocks,
-                                  const openvdb::math::Transform& transform,
-                                  std::int32_t background, const ValueOf& valueOf) {
+openvdb::Int32Grid::Ptr voxelGrid(const LeafBlocks& blocks, const openvdb::FloatGrid& like,
+                                  double unit, std::int32_t background, const ValueOf& valueOf) {
   const openvdb::Int32Grid::Ptr grid = openvdb::Int32Grid::create(background);
-  grid->setTransform(transform.copy());
+  const FloatGridPtr frame = uniformGrid(0.0f);
+  setFrame(*frame, inUnit(frameOf(like), unit));
+  grid->setTransform(frame->transformPtr());
+  addUnit(*grid, unit);
   openvdb::Int32Grid::Accessor accessor = grid->getAccessor();
   blocks.forEachInside(
       [&](std::size_t voxel) { accessor.setValue(blocks.voxelAt(voxel), valueOf(voxel)); });
@@ -214,7 +233,9 @@ openvdb::Int32Grid::Ptr voxelGrid(const LeafBlocks& blocks,
 void writeVdb(const OutputFile& file, const Fragment& fragment, const GridMetadata& gridMetadata,
               const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
-    addGrids(grids, *fragment.surface, "", pieceMetadata(fragment, gridMetadata), options);
+    const double unit = unitOf(*fragment.surface, options);
+    addGrids(grids, *fragment.surface, "", pieceMetadata(fragment, gridMetadata, unit), unit,
+             options);
   });
 }
 
@@ -222,12 +243,13 @@ void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments,
                    const Labels& labels, const GridMetadata& gridMetadata,
                    const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
+    const double unit = unitOf(*fragments.front().surface, options);
     for (const Fragment& fragment : fragments) {
       addGrids(grids, *fragment.surface, "_" + std::to_string(fragment.id),
-               pieceMetadata(fragment, gridMetadata), options);
+               pieceMetadata(fragment, gridMetadata, unit), unit, options);
     }
-    const openvdb::Int32Grid::Ptr ids = voxelGrid(
-        *labels.blocks, fragments.front().surface->transform(), 0, [&](std::size_t voxel) {
+    const openvdb::Int32Grid::Ptr ids =
+        voxelGrid(*labels.blocks, *fragments.front().surface, unit, 0, [&](std::size_t voxel) {
           const std::uint16_t id = labels.fragment[voxel];
           return id <= fragments.size() ? std::int32_t{id} : 0;
         });
@@ -240,7 +262,8 @@ void writeVdbOfAll(const OutputFile& file, std::span<const Fragment> fragments,
 void writeVdbOfSolid(const OutputFile& file, const Solid& solid, const GridMetadata& gridMetadata,
                      const VdbOptions& options) {
   writeGrids(file, options.compression, [&](openvdb::GridCPtrVec& grids) {
-    addGrids(grids, *solid.distance, "", commonMetadata(gridMetadata), options);
+    addGrids(grids, *solid.distance, "", commonMetadata(gridMetadata),
+             unitOf(*solid.distance, options), options);
   });
 }
 
@@ -251,7 +274,7 @@ void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels)
   }
   writeGrids(file, VdbCompression::blosc, [&](openvdb::GridCPtrVec& grids) {
     const openvdb::Int32Grid::Ptr cost =
-        voxelGrid(*labels.blocks, solid.distance->transform(), -1,
+        voxelGrid(*labels.blocks, *solid.distance, unitOf(*solid.distance, {}), -1,
                   [&](std::size_t voxel) { return static_cast<std::int32_t>(labels.cost[voxel]); });
     cost->setName("cost");
     grids.push_back(cost);
@@ -275,6 +298,7 @@ std::vector<NamedGrid> readFloatGrids(const std::filesystem::path& file) {
     for (const openvdb::GridBase::Ptr& base : *grids) {
       const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
       if (!grid) continue;
+      intoWorldUnits(*grid);
       all.push_back({grid->getName(), grid->getGridClass() == openvdb::GRID_LEVEL_SET, grid});
     }
     return all;
