@@ -213,9 +213,17 @@ struct DatasetCheck {
 };
 
 /// Verifies every file that the journals list: size and checksum, voxels per fragment in `.rle`
-/// files, face counts of `.ply`, `.obj` and `.binm` meshes.
+/// files, face counts of `.ply`, `.obj` and `.binm` meshes; and the dataset's own files, see
+/// changedOwnFiles.
 ///   throws  Error(input) `out` is not a dataset; Error(cancelled)
 DatasetCheck verifyDataset(const std::filesystem::path& out, const Progress* progress = nullptr);
+
+/// Returns a sentence for each of the dataset's own files (plan, index, lists, report, journals)
+/// that is not as its checksum in journal/SHA256SUMS, or not listed there; nothing where there are
+/// no checksums.  A run writes most of them anew: call it before.
+///   absentToo  also for those that are listed and absent
+[[nodiscard]] std::vector<std::string> changedOwnFiles(const std::filesystem::path& out,
+                                                       bool absentToo);
 
 /// Merges the shards below one folder: writes index, failures and splits.
 ///   throws  Error(input) `out` is not a dataset, or has objects that are neither done nor failed

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "cli/command.h"
 #include "cli/config_arguments.h"
@@ -64,6 +65,9 @@ void runDatasetCommand(DatasetArguments& arguments) {
       return printer.printForecast(forecastDataset(arguments.library, arguments.folder, options,
                                                    device, &untilInterrupted()));
     }
+    // Before the run writes them anew.  Whoever removes one wants that.
+    std::vector<std::string> changed;
+    if (arguments.verify) changed = changedOwnFiles(arguments.folder, false);
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, callbacks);
     if (summary.objects == 0 && summary.failures > 0) {
@@ -71,8 +75,13 @@ void runDatasetCommand(DatasetArguments& arguments) {
                                         "/failures.jsonl has the reasons");
     }
     printer.printSummary(arguments.folder, summary);
-    if (arguments.verify)
-      printer.printVerified(arguments.folder, verifyDataset(arguments.folder, &untilInterrupted()));
+    if (!arguments.verify) return;
+    DatasetCheck check = verifyDataset(arguments.folder, &untilInterrupted());
+    // Those that were not written anew differ still.
+    std::set<std::string> problems(check.problems.begin(), check.problems.end());
+    problems.insert(changed.begin(), changed.end());
+    check.problems.assign(problems.begin(), problems.end());
+    printer.printVerified(arguments.folder, check);
   } catch (const Error&) {
     printer.stopped();
     throw;

@@ -60,11 +60,6 @@ Archive::Finished Archive::finish() {
   return {bytes_, sum_.text()};
 }
 
-void Archive::discard() {
-  ::unlink(file_.path().c_str());
-  ::unlink(final_.c_str());
-}
-
 // Restores the directory from the local headers of kept entries.
 void Archive::readKept(std::uint64_t kept) {
   constexpr std::size_t kLocal = 30;

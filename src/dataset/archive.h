@@ -43,9 +43,6 @@ class Archive {
   /// Ends the archive and gives it its name.
   Finished finish();
 
-  /// Removes the archive.
-  void discard();
-
  private:
   void append(std::string_view bytes);
   void readKept(std::uint64_t kept);

@@ -200,8 +200,8 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
     const LibraryObject& object = plan.objects[i];
     const JournalText journal = readJournal(out, object);
     if (journal.failed) {
-      failures.add(failureLine(object.key, *journal.failed));
-      statistics.failures.emplace_back(object.key, *journal.failed);
+      failures.add(failureLine(object.key, journal.failed->reason));
+      statistics.failures.emplace_back(object.key, journal.failed->reason);
       continue;
     }
     if (!journal.done) {

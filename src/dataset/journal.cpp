@@ -48,7 +48,14 @@ JournalText readJournal(const fs::path& out, const LibraryObject& object) {
   if (!fs::exists(fs::symlink_status(out / name))) return {};
   if (!isOwnFile(out, name))
     inputError(out / name, "is not a regular file, or a symbolic link leads there");
-  return parsedJournal(readFileBytes(out / name), (out / name).string());
+  JournalText journal = parsedJournal(readFileBytes(out / name), (out / name).string());
+  if (!journal.object.empty() && journal.object != object.key) {
+    inputError(out / name,
+               "is the journal of " + journal.object + ", not of " + object.key +
+                   "; remove the file, and a resumed run breaks its object again",
+               OptionNames{"resume"});
+  }
+  return journal;
 }
 
 Journal::Journal(const fs::path& out, const LibraryObject& object)
@@ -81,7 +88,8 @@ Journal::Journal(const fs::path& out, const LibraryObject& object)
 Journal::~Journal() { ::close(descriptor_); }
 
 void Journal::write(const Json& line) {
-  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string text =
+      sealedLine(line.dump(-1, ' ', false, Json::error_handler_t::replace), text_.sum);
   std::string_view rest = text;
   while (!rest.empty()) {
     const ssize_t n = ::write(descriptor_, rest.data(), rest.size());
@@ -109,16 +117,19 @@ void Journal::begin(const std::string& sha256) {
   write({{"object", key_}, {"sha256", sha256}});
 }
 
-void Journal::add(Json fracture) { write(fracture); }
+void Journal::add(const Json& fracture) { write(fracture); }
 
 void Journal::finish(const std::vector<FileRecord>& files) {
   write({{"done", true}, {"files", jsonOf(files)}});
   text_.done = true;
 }
 
-void Journal::fail(const std::string& reason) {
-  write({{"failed", reason}});
-  text_.failed = reason;
+void Journal::fail(const FailedObject& failed) {
+  write({{"failed", failed.reason},
+         {"of", key_},
+         {"sha256", failed.sha256},
+         {"again", failed.isPassing}});
+  text_.failed = failed;
 }
 
 void Journal::clear() {

@@ -18,23 +18,41 @@ namespace sherd {
 
 using Json = nlohmann::ordered_json;
 
+/// Why an object failed.
+struct FailedObject {
+  std::string reason;
+  std::string sha256;      ///< of its file; empty where that could not be read
+  bool isPassing = false;  ///< for want of memory, time or a device, or by a fault of the program:
+                           ///< another run may break it
+};
+
 /// The content of a journal.
 struct JournalText {
+  std::string object;           ///< its key; empty before the first line
   std::string sha256;           ///< of the object's file at the beginning; empty before
   std::vector<Json> fractures;  ///< lines of fractures, in order
   bool done = false;
-  std::optional<std::string> failed;
+  std::vector<FileRecord> files{};  ///< of the last line: the finished archive
+  std::optional<FailedObject> failed;
   std::uint64_t bytes = 0;  ///< of complete lines
+  std::string sum;          ///< of the last line
 };
+
+/// Returns a line with its checksum as last field, "sum", and a line break.  The sum is of the line
+/// and of the line before, so that lines can't be changed, exchanged or left out.
+///   line    an object's JSON text
+///   before  the sum of the line before, empty for the first; set to the line's
+[[nodiscard]] std::string sealedLine(std::string line, std::string& before);
 
 /// Parses a journal and checks every field: the result has all fields that the index, statistics
 /// and verification read, of the right kind and in range.
 ///   name    of the file, for messages
-///   throws  Error(input) "name:line: what": a line is not JSON, out of order, or damaged
+///   throws  Error(input) "name:line: what": a line has another checksum, is not JSON, out of
+///           order, or damaged
 [[nodiscard]] JournalText parsedJournal(std::string_view bytes, const std::string& name);
 
 /// Reads an object's journal without locking it; empty if there is none.
-///   throws  Error(input) as parsedJournal; a symbolic link on its path
+///   throws  Error(input) as parsedJournal; it is another object's; a symbolic link on its path
 [[nodiscard]] JournalText readJournal(const std::filesystem::path& out,
                                       const LibraryObject& object);
 
@@ -42,9 +60,10 @@ struct JournalText {
 ///
 ///     {"object": key, "sha256": ..}                 first
 ///     {"fracture": "whole", "fragments": [..], ..}  the intact object, then each fracture
-///     {"done": true, "files": [..]}                 last; or {"failed": reason}
+///     {"done": true, "files": [..]}                 last; or {"failed": reason, "of": key, ..}
 ///
-/// An incomplete last line is ignored.  One process locks it at a time.
+/// Each ends with its checksum, see sealedLine.  An incomplete last line is ignored.  One process
+/// locks it at a time.
 class Journal {
  public:
   /// Opens or creates the journal, and reads it.
@@ -64,9 +83,9 @@ class Journal {
   [[nodiscard]] std::uint64_t archiveBytes() const;
 
   void begin(const std::string& sha256);
-  void add(Json fracture);
+  void add(const Json& fracture);
   void finish(const std::vector<FileRecord>& files);
-  void fail(const std::string& reason);
+  void fail(const FailedObject& failed);
 
   /// Empties the journal.
   void clear();

@@ -68,8 +68,10 @@ class ObjectRun {
       if (e.code() != ErrorCode::cancelled || run_.cancelled()) throw;
       std::array<char, 32> seconds{};
       std::snprintf(seconds.data(), seconds.size(), "%g", options_.objectTimeout);
-      throw Error(ErrorCode::input, std::string("took longer than the ") + seconds.data() +
-                                        " s that an object may take");
+      throw Error(
+          ErrorCode::input,
+          std::string("took longer than the ") + seconds.data() + " s that an object may take",
+          OptionNames{"object-timeout"});
     }
   }
 
@@ -176,11 +178,13 @@ class ObjectRun {
     const bool isUnit =
         options_.layout == DatasetLayout::bb || options_.layout == DatasetLayout::hdf5;
     if (isUnit) intoUnitBox(whole);
-    if (options_.layout == DatasetLayout::hdf5) {
-      writeHdf5Part(OutputFile(*files, names.files.mesh[0][0]), hdf5WholeArrays(whole));
-    } else if (options_.layout != DatasetLayout::pfpp) {
-      writer_->write(*files, names.files, options, whole, &progress_);
-    }
+    making(*files, [&] {
+      if (options_.layout == DatasetLayout::hdf5) {
+        writeHdf5Part(OutputFile(*files, names.files.mesh[0][0]), hdf5WholeArrays(whole));
+      } else if (options_.layout != DatasetLayout::pfpp) {
+        writer_->write(*files, names.files, options, whole, &progress_);
+      }
+    });
     FractureLine line(kWholeName, {0, 0}, options.seed, 0, {});
     line.addFragments(whole, names.files, *files, options_.poses);
     keep(files, line.json());
@@ -254,7 +258,8 @@ class ObjectRun {
     work.files = store_->stage(names.prefix);
     FractureLine line(planned.name(), planned, options.seed, growth->attempt, growth->drawn);
     line.addFragments(result, names.files, *work.files, options_.poses);
-    writeFiles(*work.files, names.files, options, growth->number, result);
+    making(*work.files,
+           [&] { writeFiles(*work.files, names.files, options, growth->number, result); });
     if (!names.manifest.empty()) {
       OutputFile(*work.files, names.manifest)
           .write(manifestText(*source_, options, result, meshFacts(result), names.files,
@@ -271,6 +276,16 @@ class ObjectRun {
     for (Fragment& fragment : result.fragments) {
       if (!fragment.coarse.empty()) fragment.mesh = std::move(fragment.coarse.front());
     }
+  }
+
+  // Makes files.  What a format can't hold, such as a .vox of too many voxels, is the object's
+  // error, and no output's that would end the run.
+  template <class Make>
+  static void making(const StagedFiles& files, const Make& make) try {
+    make();
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::output || files.isDiskAtFault()) throw;
+    throw Error(ErrorCode::input, e.what(), e.options());
   }
 
   // Writes a fracture as its layout has it.
@@ -351,7 +366,7 @@ class ObjectRun {
       line["files"] = jsonOf(kept.files);
       run_.times.add("store", kept.seconds);
       line["archive"] = kept.archiveBytes;
-      journal_.add(std::move(line));
+      journal_.add(line);
     });
   }
 

@@ -3,11 +3,11 @@
 #include <sherd/seeds.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include "base/below_folder.h"
 #include "base/parsed_json.h"
+#include "base/sha256.h"
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
 #include "dataset/json_fields.h"
@@ -99,6 +99,13 @@ void checkFracture(const Json& line) {
   for (const Json& fragment : fields::list(line, "fragments")) checkFragment(fragment, files);
 }
 
+FailedObject failedObject(const Json& line) {
+  FailedObject failed{fields::text(line, "failed"), fields::text(line, "sha256"),
+                      fields::get(line, "again", &Json::is_boolean, "true or false").get<bool>()};
+  if (!failed.sha256.empty()) requireSum(failed.sha256);
+  return failed;
+}
+
 // Adds a line to the journal.
 void addLine(Json line, JournalText& journal) {
   if (!line.is_object()) fields::damaged("is not an object");
@@ -106,11 +113,12 @@ void addLine(Json line, JournalText& journal) {
   const bool isBegun = !journal.sha256.empty();
   if (line.contains("object")) {
     if (isBegun) fields::damaged("begins the object again");
-    (void)fields::text(line, "object");
+    journal.object = fields::text(line, "object");
     journal.sha256 = fields::text(line, "sha256");
     requireSum(journal.sha256);
   } else if (line.contains("failed")) {
-    journal.failed = fields::text(line, "failed");
+    if (!isBegun) journal.object = fields::text(line, "of");
+    journal.failed = failedObject(line);
   } else if (!isBegun) {
     fields::damaged("comes before the object's own line");
   } else if (line.contains("fracture")) {
@@ -118,37 +126,41 @@ void addLine(Json line, JournalText& journal) {
     journal.fractures.push_back(std::move(line));
   } else if (line.contains("done")) {
     (void)namesOf(line);
+    journal.files = filesOf(line);
     journal.done = true;
   } else {
     fields::damaged("is not a line of a journal");
   }
 }
 
-// Renames the keys of a pose that version 0.1 wrote.
-Json withCurrentKeys(const Json& pose) {
-  static const std::map<std::string, std::string> kFormer{{"centre", "center"},
-                                                          {"turn", "rotation"},
-                                                          {"truth_turn", "truth_rotation"},
-                                                          {"truth_shift", "truth_translation"}};
-  Json current = Json::object();
-  for (const auto& [key, value] : pose.items()) {
-    const auto former = kFormer.find(key);
-    current[former == kFormer.end() ? key : former->second] = value;
-  }
-  return current;
+// The end of a line: its checksum, which is not part of what it is of.
+constexpr std::string_view kSumKey = R"(,"sum":")";
+constexpr std::string_view kSumEnd = R"("})";
+constexpr std::size_t kSumDigits = 16;
+constexpr std::size_t kSealBytes = kSumKey.size() + kSumDigits + kSumEnd.size();
+
+std::string sumOf(std::string_view line, const std::string& before) {
+  return sha256(before + std::string(line)).substr(0, kSumDigits);
 }
 
-Json withCurrentPoses(Json line) {
-  if (!line.is_object() || !line.contains("fragments")) return line;
-  for (Json& fragment : line["fragments"]) {
-    if (!fragment.is_object() || !fragment.contains("pose")) continue;
-    Json& pose = fragment["pose"];
-    if (pose.is_object()) pose = withCurrentKeys(pose);
-  }
-  return line;
+// Checks a line's checksum, and sets `sum` to it.
+void checkSum(std::string_view line, std::string& sum) {
+  const std::size_t size = line.size() < kSealBytes ? 0 : line.size() - kSealBytes;
+  const std::string_view seal = line.substr(size);
+  if (!seal.starts_with(kSumKey) || !seal.ends_with(kSumEnd)) fields::damaged("has no checksum");
+  const std::string expected = sumOf(line.substr(0, size), sum);
+  if (seal.substr(kSumKey.size(), kSumDigits) != expected)
+    fields::damaged("does not match its checksum, or the line before is another");
+  sum = expected;
 }
 
 }  // namespace
+
+std::string sealedLine(std::string line, std::string& before) {
+  line.pop_back();  // the closing brace
+  before = sumOf(line, before);
+  return line.append(kSumKey).append(before).append(kSumEnd).append("\n");
+}
 
 JournalText parsedJournal(std::string_view bytes, const std::string& name) {
   JournalText journal;
@@ -159,7 +171,8 @@ JournalText parsedJournal(std::string_view bytes, const std::string& name) {
     if (end == rest.npos) return journal;  // an incomplete line
     ++number;
     try {
-      addLine(withCurrentPoses(parsedOrderedJson(rest.substr(0, end))), journal);
+      checkSum(rest.substr(0, end), journal.sum);
+      addLine(parsedOrderedJson(rest.substr(0, end)), journal);
     } catch (const Error& e) {
       throw Error(ErrorCode::input,
                   name + ":" + std::to_string(number) + ": is damaged: " + e.what() +

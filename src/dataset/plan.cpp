@@ -71,7 +71,7 @@ DatasetPlan planOf(const Json& json) {
 
 bool hasPlan(const fs::path& out) { return fs::exists(out / kPlanName); }
 
-void writePlan(const fs::path& out, const DatasetPlan& plan) {
+std::string planText(const DatasetPlan& plan) {
   Json objects = Json::array();
   for (const LibraryObject& object : plan.objects) {
     objects.push_back({{"key", object.key}, {"folder", object.folder}, {"bytes", object.bytes}});
@@ -80,7 +80,11 @@ void writePlan(const fs::path& out, const DatasetPlan& plan) {
       {"schema", kSchema},    {"layout", names::of(names::kDatasetLayout, plan.layout)},
       {"seed", plan.seed},    {"split", plan.split},
       {"options", plan.text}, {"objects", std::move(objects)}};
-  writeWhole(out / kPlanName, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void writePlan(const fs::path& out, const DatasetPlan& plan) {
+  writeWhole(out / kPlanName, planText(plan));
 }
 
 DatasetPlan parsedPlan(std::string_view text) { return planOf(parsedOrderedJson(text)); }

@@ -20,6 +20,9 @@ struct DatasetPlan {
   std::uint64_t seed = 0;
 };
 
+/// Returns the text of dataset.json.
+[[nodiscard]] std::string planText(const DatasetPlan& plan);
+
 /// Writes OUT/dataset.json.
 ///   throws  Error(output)
 void writePlan(const std::filesystem::path& out, const DatasetPlan& plan);

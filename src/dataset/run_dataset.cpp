@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <new>
+#include <exception>
+#include <optional>
 #include <set>
 
 #include "base/atomic_file.h"
 #include "base/cancel_flag.h"
+#include "base/file_bytes.h"
+#include "dataset/failure.h"
 #include "dataset/fracture_line.h"
 #include "dataset/hdf5_join.h"
 #include "dataset/identity.h"
@@ -17,6 +20,7 @@
 #include "dataset/object_folder.h"
 #include "dataset/object_run.h"
 #include "dataset/output_root.h"
+#include "dataset/own_sums.h"
 #include "dataset/pfpp.h"
 #include "dataset/report.h"
 #include "dataset/resources.h"
@@ -49,9 +53,6 @@ void makeFolder(const fs::path& out) {
 void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOptions& options) {
   if (hasPlan(out)) {
     const DatasetPlan before = readPlan(out);
-    const auto same = [](const LibraryObject& a, const LibraryObject& b) {
-      return a.key == b.key && a.folder == b.folder;
-    };
     if (!isIdentityOf(options, before.text) || before.layout != plan.layout) {
       throw Error(ErrorCode::usage, out.string() +
                                         ": contains a dataset of other options, see its "
@@ -61,10 +62,7 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOp
       throw Error(ErrorCode::usage, out.string() + ": contains this dataset already; resume it",
                   OptionNames{"resume"});
     }
-    if (!std::equal(before.objects.begin(), before.objects.end(), plan.objects.begin(),
-                    plan.objects.end(), same)) {
-      writePlan(out, plan);  // objects have been added
-    }
+    if (readFileBytes(out / kPlanName) != planText(plan)) writePlan(out, plan);
     return;
   }
   const bool isOthers = holdsOthers(out);
@@ -89,6 +87,8 @@ class LibraryRun {
     for (const LibraryObject& object : objects) {
       progress_.object = object.key;
       Journal journal(out_, object);
+      if (journal.text().failed && isTriedAgain(*journal.text().failed, object.file))
+        journal.clear();
       clearIfLost(object, journal);
       if (journal.text().done || journal.text().failed) {
         progress_.ofFractures -= each;
@@ -100,9 +100,13 @@ class LibraryRun {
       ++progress_.objects;
       reportProgress();
     }
+    if (deviceError_ && !hasBroken_) throw *deviceError_;
   }
 
   [[nodiscard]] const DatasetProgress& progress() const { return progress_; }
+
+  /// Objects that were broken, or failed.
+  [[nodiscard]] const std::vector<const LibraryObject*>& written() const { return written_; }
 
   [[nodiscard]] std::vector<StageTime> times() const {
     std::vector<StageTime> all;
@@ -144,23 +148,24 @@ class LibraryRun {
                          sums_,
                          thumbnails};
     try {
+      written_.push_back(&object);
       runObject(object, journal, run);
-    } catch (const Error& e) {
-      // An error of one object, or of its options, does not end the run.
-      if (e.code() != ErrorCode::input && e.code() != ErrorCode::usage) throw;
+      hasBroken_ = true;
+      deviceError_.reset();
+    } catch (...) {
+      const Error e = objectError(std::current_exception());
+      // A device that fails twice in a row is taken for gone.
+      const bool isGone = e.code() == ErrorCode::device && deviceError_;
+      if (endsRun(e) || isGone) throw e;
+      if (e.code() == ErrorCode::device) deviceError_ = e;
       fail(object, journal, e, each);
-    } catch (const std::bad_alloc&) {
-      fail(object, journal,
-           Error(ErrorCode::input, "not enough memory; try a lower resolution",
-                 OptionNames{"resolution"}),
-           each);
     }
   }
 
   void fail(const LibraryObject& object, Journal& journal, const Error& reason, std::size_t each) {
-    ObjectStore(storeOf(out_, object, options_)).discard();
+    discardStored(storeOf(out_, object, options_));
     device_.freeBuffers();
-    journal.fail(reason.what());
+    journal.fail({reason.what(), sumOfFile(object.file), isPassing(reason)});
     progress_.ofFractures -= std::min(each, progress_.ofFractures);
     if (callbacks_.failed) callbacks_.failed(object.key, reason);
   }
@@ -179,6 +184,9 @@ class LibraryRun {
   const std::vector<JoinedFile> joined_ = joinedFiles(out_);
   StageSums sums_;
   DatasetProgress progress_;
+  std::vector<const LibraryObject*> written_;
+  bool hasBroken_ = false;            // an object
+  std::optional<Error> deviceError_;  // of the last object
 };
 
 }  // namespace
@@ -198,7 +206,9 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
   requireNoLinks(out, plan);
   makeFolder(out);
   OutputLock lock(out);
+  const OwnSums before = readOwnSums(out);
   prepareFolder(out, plan, given);
+  removeOwnSums(out);
   lock.share();
   for (const std::string& warning : warnings) {
     if (callbacks.warning) callbacks.warning(warning);
@@ -210,8 +220,9 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
   };
   DatasetIndex index;
   DatasetSummary& summary = index.summary;
+  const std::vector<LibraryObject> objects = shardOf(plan.objects, options.shard);
   try {
-    run.execute(shardOf(plan.objects, options.shard));
+    run.execute(objects);
     if (plan.layout == DatasetLayout::hdf5) {
       joinHdf5(out, plan, options.shard, callbacks.progress);
     }
@@ -235,7 +246,10 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
     throw;
   }
   record(summary);
-  if (options.shard.of == 1) writeReport(out, index.statistics);
+  if (options.shard.of == 1) {
+    writeReport(out, index.statistics);
+    writeOwnSums(out, before, run.written());
+  }
   summary.times = run.times();
   summary.skipped = skipped;
   return summary;
@@ -245,6 +259,8 @@ DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
   const DatasetPlan plan = readPlan(out);
   OutputLock lock(out);
   lock.share();
+  const OwnSums before = readOwnSums(out);
+  removeOwnSums(out);
   std::string missing;
   std::size_t count = 0;
   for (const LibraryObject& object : plan.objects) {
@@ -262,6 +278,7 @@ DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
   if (plan.layout == DatasetLayout::hdf5) joinHdf5(out, plan, {}, progress);
   const DatasetIndex index = writeIndex(out, plan, progress);
   writeReport(out, index.statistics);
+  writeOwnSums(out, before, {});
   return index.summary;
 }
 

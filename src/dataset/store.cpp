@@ -122,7 +122,12 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
   }
   record.sha256 = sum.text();
   const fs::path path = root_ / record.name;
-  makeFolder(path.parent_path());
+  try {
+    makeFolder(path.parent_path());
+  } catch (...) {
+    isDiskAtFault_ = true;
+    throw;
+  }
   const auto done = [this](std::exception_ptr problem, double seconds) {
     const std::lock_guard lock(mutex_);
     if (problem && !problem_) problem_ = std::move(problem);
@@ -212,20 +217,37 @@ void removeAllBelow(const fs::path& folder, const std::set<fs::path>& kept) try 
   cannot(e.path1(), "removed", e.code().value());
 }
 
+// Removes the loose files of an object, except those to keep.
+void removeLoose(const StorePlace& place, const std::vector<FileRecord>& kept) {
+  for (const std::string& name : place.names) requireOwnFile(place.root, name);
+  if (!place.folder.empty()) requireOwnSubfolder(place.root, place.folder + "/file");
+  std::set<fs::path> names;
+  for (const FileRecord& record : kept) names.insert(place.root / record.name);
+  for (const std::string& name : place.names) {
+    const fs::path file = place.root / name;
+    if (names.contains(file) || ::unlink(file.c_str()) == 0 || errno == ENOENT || errno == ENOTDIR)
+      continue;
+    cannot(file, "removed", errno);
+  }
+  if (!place.folder.empty()) removeAllBelow(place.root / place.folder, names);
+}
+
+void requireOwnArchive(const StorePlace& place) {
+  requireOwnFile(place.root, place.folder + Archive::kSuffix);
+  requireOwnFile(place.root, place.folder + Archive::kUnfinished);
+}
+
 }  // namespace
 
 ObjectStore::ObjectStore(StorePlace place, std::size_t maxQueuedBytes)
     : place_(std::move(place)), maxQueuedBytes_(maxQueuedBytes), pool_(kMostSpareBlocks) {
   if (place_.isArchive) {
-    requireOwnFile(place_.root, place_.folder + Archive::kSuffix);
-    requireOwnFile(place_.root, place_.folder + Archive::kUnfinished);
+    requireOwnArchive(place_);
     makeFolder(path().parent_path());
     archive_ = std::make_unique<Archive>(path(), place_.archive);
   } else {
-    for (const std::string& name : place_.names) requireOwnFile(place_.root, name);
-    if (!place_.folder.empty()) requireOwnSubfolder(place_.root, place_.folder + "/file");
+    removeLoose(place_, place_.kept);
     queue_ = std::make_unique<FileQueue>(maxQueuedBytes);
-    removeAllBut(place_.kept);
   }
   thread_ = std::thread([this] { work(); });
 }
@@ -237,18 +259,6 @@ ObjectStore::~ObjectStore() {
   }
   changed_.notify_all();
   thread_.join();
-}
-
-void ObjectStore::removeAllBut(const std::vector<FileRecord>& kept) const {
-  std::set<fs::path> names;
-  for (const FileRecord& record : kept) names.insert(place_.root / record.name);
-  for (const std::string& name : place_.names) {
-    const fs::path file = place_.root / name;
-    if (names.contains(file) || ::unlink(file.c_str()) == 0 || errno == ENOENT || errno == ENOTDIR)
-      continue;
-    cannot(file, "removed", errno);
-  }
-  if (!place_.folder.empty()) removeAllBelow(path(), names);
 }
 
 std::unique_ptr<StagedFiles> ObjectStore::stage(const std::string& prefix) {
@@ -316,12 +326,11 @@ std::vector<FileRecord> ObjectStore::finish() {
   return {{place_.folder + Archive::kSuffix, finished.bytes, finished.sha256}};
 }
 
-void ObjectStore::discard() {
-  if (archive_) {
-    archive_->discard();
-  } else {
-    removeAllBut({});
-  }
+void discardStored(const StorePlace& place) {
+  if (!place.isArchive) return removeLoose(place, {});
+  requireOwnArchive(place);
+  for (const char* suffix : {Archive::kSuffix, Archive::kUnfinished})
+    ::unlink((place.root / (place.folder + suffix)).c_str());
 }
 
 }  // namespace sherd

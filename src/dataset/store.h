@@ -3,6 +3,7 @@
 
 #include <sherd/dataset.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -45,6 +46,9 @@ class StagedFiles : public FileSink {
   /// Returns the name of the packed file.
   [[nodiscard]] std::string stored(const std::string& name) const;
 
+  /// Whether take() failed because of the disk, not of the content.
+  [[nodiscard]] bool isDiskAtFault() const { return isDiskAtFault_; }
+
   /// Seconds that callers of take() spent on packing.
   [[nodiscard]] double packing() const;
 
@@ -72,6 +76,7 @@ class StagedFiles : public FileSink {
   std::condition_variable written_;
   std::size_t pending_ = 0;
   std::exception_ptr problem_;  // the first one
+  std::atomic<bool> isDiskAtFault_{false};
   std::vector<FileRecord> records_;
   std::vector<Packed> packed_;
   std::size_t packedBytes_ = 0;
@@ -124,9 +129,6 @@ class ObjectStore {
   ///   throws  as keep()
   std::vector<FileRecord> finish();
 
-  /// Removes all files of the object.
-  void discard();
-
  private:
   struct Entry {
     std::shared_ptr<StagedFiles> files;
@@ -134,7 +136,6 @@ class ObjectStore {
     std::size_t bytes = 0;  // that wait for the archive
   };
   [[nodiscard]] std::filesystem::path path() const { return place_.root / place_.folder; }
-  void removeAllBut(const std::vector<FileRecord>& kept) const;
   void work();
   void record(StagedFiles& files, const Kept& kept);
 
@@ -151,5 +152,9 @@ class ObjectStore {
   bool isClosed_ = false;
   std::thread thread_;
 };
+
+/// Removes all files of an object.  It starts no thread, so that it can follow any failure.
+///   throws  Error(output), also for a symbolic link on the path of the folder or the archive
+void discardStored(const StorePlace& place);
 
 }  // namespace sherd

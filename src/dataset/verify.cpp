@@ -19,6 +19,7 @@
 #include "dataset/index.h"
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
+#include "dataset/own_sums.h"
 #include "formats/arrays/zip_reader.h"
 #include "formats/mesh/read_mesh.h"
 #include "formats/voxels/parse_voxels.h"
@@ -28,13 +29,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+[[noreturn]] void differs(const std::string& name, const std::string& what) {
+  throw Error(ErrorCode::input, name + ": " + what);
+}
+
 /// Reads the files of an object, loose or from its archive.
 class StoredFiles {
  public:
-  StoredFiles(const fs::path& out, const std::string& archive) : out_(out) {
-    if (archive.empty()) return;
-    bytes_ = read(archive);
-    for (ZipEntry& entry : zipEntries(bytes_, archive)) entries_.emplace(entry.name, entry);
+  ///   archive  of the object, as recorded; null for loose files
+  StoredFiles(const fs::path& out, const FileRecord* archive) : out_(out) {
+    if (archive == nullptr) return;
+    bytes_ = read(archive->name);
+    if (bytes_.size() != archive->bytes || sha256(bytes_) != archive->sha256)
+      differs(archive->name, "differs from what was written");
+    for (ZipEntry& entry : zipEntries(bytes_, archive->name)) entries_.emplace(entry.name, entry);
     isArchive_ = true;
   }
 
@@ -97,10 +105,6 @@ fs::path withoutPacking(const std::string& name) {
   return path;
 }
 
-[[noreturn]] void differs(const std::string& name, const std::string& what) {
-  throw Error(ErrorCode::input, name + ": " + what);
-}
-
 // Compares voxel counts by label with the journal.
 void checkLabels(const std::string& name, const std::string& bytes, const Json& line) {
   if (withoutPacking(name).extension() != ".rle") return;
@@ -158,6 +162,7 @@ DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
     const std::lock_guard lock(mutex);
     check.problems.push_back(sentence);
   };
+  for (const std::string& sentence : changedOwnFiles(out, true)) problem(sentence);
   std::optional<JoinedFractures> joined;
   if (plan.layout == DatasetLayout::hdf5) {
     joined.emplace(out);
@@ -173,8 +178,10 @@ DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
       }
       const bool isHdf5 = plan.layout == DatasetLayout::hdf5;
       const bool isPacked = plan.layout == DatasetLayout::packed;
-      const StoredFiles files(
-          out, isPacked ? objectFolder(plan.layout, object) + ".zip" : std::string());
+      if (isPacked && (journal.files.size() != 1 ||
+                       journal.files.front().name != objectFolder(plan.layout, object) + ".zip"))
+        differs(journalName(object), "lists another file than the object's archive");
+      const StoredFiles files(out, isPacked ? &journal.files.front() : nullptr);
       tbb::parallel_for(std::size_t{0}, journal.fractures.size(), [&](std::size_t i) {
         throwIfCancelled(progress);
         try {

@@ -1,11 +1,15 @@
 #!/usr/bin/python3
 """Dataset runs that must not harm anything: names that the dataset needs itself, links, damaged journals, bad folders.
 
-Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
+Environment: SHERD_BIN the program; SHERD_SWEEP=N changes N files of each layout.  Needs Debian's python3-numpy.
 """
+import hashlib
 import json
 import os
+import random
+import re
 import shutil
+import subprocess
 import tempfile
 import unittest
 
@@ -20,6 +24,19 @@ QUICK = ("--pieces", "2", "--repeats", "1", "--write", "labels,mesh", "--points"
 
 def quick(layout):
     return ("--layout", layout, *QUICK) if layout != "pfpp" else ("--layout", "pfpp", *(a if a != "0" else "5" for a in QUICK))
+
+
+def sealed(lines):
+    """Lines of a journal with their checksums, see docs/formats.md."""
+    before, text = "", ""
+    for line in lines:
+        before = hashlib.sha256((before + line[:-1]).encode()).hexdigest()[:16]
+        text += f'{line[:-1]},"sum":"{before}"}}\n'
+    return text
+
+
+def unsealed(text):
+    return [re.sub(r',"sum":"[0-9a-f]{16}"}$', "}", line) for line in text.splitlines()]
 
 
 class Safety(Dataset):
@@ -193,13 +210,15 @@ class Journals(Safety):
         self.done(*QUICK, "--poses")
         journal = os.path.join(self.out, "journal", "ball.jsonl")
         with open(journal) as file:
-            lines = file.read().splitlines()
+            text = file.read()
+        lines = unsealed(text)
         self.assertEqual(len(lines), 4)  # the object, whole, a fracture, done
+        self.assertEqual(sealed(lines), text)
 
         def changed(number, change):
             line = json.loads(lines[number])
             change(line)
-            return "\n".join(json.dumps(line) if i == number else text for i, text in enumerate(lines)) + "\n"
+            return sealed([json.dumps(line) if i == number else text for i, text in enumerate(lines)])
 
         def put(*keys):
             value = keys[-1]
@@ -213,8 +232,9 @@ class Journals(Safety):
                     line[keys[-2]] = value
             return change
 
-        bad = [(1, "nothing\n"), (1, "[1]\n"), (1, '{"a": 1}\n'), (1, "\0" * 40 + "\n"), (1, "[" * 5000 + "\n"),
-               (2, lines[0] + "\n" + lines[0] + "\n"), (1, "\n".join(lines[1:]) + "\n"), (5, "\n".join(lines + lines[1:2]) + "\n")]
+        bad = [(1, "nothing\n"), (1, "\n"), (1, "\0" * 40 + "\n"), (1, sealed(["[1]"])), (1, sealed(['{"a": 1}'])), (1, sealed(["[" * 5000 + "]"])),
+               (2, sealed([lines[0], lines[0]])), (1, sealed(lines[1:])), (5, sealed(lines + lines[1:2])),
+               (1, sealed(['{"object":"other.obj"' + lines[0][lines[0].index(","):]] + lines[1:]))]
         for keys in (("sha256", "ab"), ("sha256", 3), ("object", 5), ("sha256", None)):
             bad.append((1, changed(0, put(*keys))))
         for key in ("pieces", "repeat", "attempt", "seed", "options", "labels", "fragments", "files", "archive"):
@@ -234,12 +254,30 @@ class Journals(Safety):
                 with open(journal, "w") as file:
                     file.write(text)
                 # Of which one may be read on: a journal that is not done is, when the object's turn comes.
-                self.refused(3, self.run_sherd("merge", self.out), f"ball.jsonl:{number}: is damaged", "remove the file", "(--resume)")
+                said = ": is the journal of other.obj" if "other.obj" in text else f":{number}: is damaged"
+                self.refused(3, self.run_sherd("merge", self.out), "ball.jsonl" + said, "remove the file", "(--resume)")
         self.refused(3, self.dataset(*QUICK, "--poses", "--resume"), "ball.jsonl:4: is damaged")
         verified = self.dataset(*QUICK, "--poses", "--resume", "--verify", "--match", "vases*")
         self.assertEqual(verified.returncode, 0, verified.stderr)
         os.remove(journal)
         self.done(*QUICK, "--poses", "--resume", "--verify")
+
+    def test_a_changed_digit_is_named_and_does_not_reach_the_index(self):
+        self.done(*QUICK)
+        index = self.file("index.jsonl")
+        journal = os.path.join(self.out, "journal", "ball.jsonl")
+        with open(journal) as file:
+            text = file.read()
+        lines = text.splitlines(keepends=True)
+        digits = [i for i, c in enumerate(text) if c.isdigit() and text[i - 1] in "0123456789.["]
+        changes = [text[:i] + str((int(text[i]) + 1) % 10) + text[i + 1:] for i in random.Random(5).sample(digits, 6)]
+        changes += ["".join(lines[:1] + lines[2:]), "".join([lines[0], lines[2], lines[1], lines[3]]), "".join(lines[:2] + lines[1:])]
+        for changed in changes:
+            with open(journal, "w") as file:
+                file.write(changed)
+            number = next(i for i, (a, b) in enumerate(zip(lines, changed.splitlines(keepends=True))) if a != b) + 1
+            self.refused(3, self.run_sherd("merge", self.out), f"ball.jsonl:{number}: is damaged: does not match its checksum")
+            self.assertEqual(self.file("index.jsonl"), index)
 
     def test_whatever_is_written_is_read(self):
         everything = ("--write", "labels,vdb,mesh,preview,seeds,boundaries,cost,fog,solid,scene,usd,graph,houdini,viewer,proxy", "--voxel-format", "rle,npy,npz",
@@ -262,8 +300,130 @@ class Journals(Safety):
         for size in (0, 10, text.index(b"\n"), text.index(b"\n") + 1, len(text) - 30, len(text) - 1):
             with open(journal, "wb") as file:
                 file.write(text[:size])
+            self.done(*QUICK, "--resume")
             self.done(*QUICK, "--resume", "--verify")
             self.assertEqual(dataset(self.out), before)
+
+
+class Changes(Safety):
+    """Whatever is changed in a finished dataset, --verify finds it."""
+
+    def verified(self, *arguments):
+        return self.dataset(*arguments, "--match", "ball*", "--resume", "--verify")
+
+    def test_an_archive_is_compared_whole(self):
+        self.done(*quick("packed"), "--match", "ball*")
+        archive = os.path.join(self.out, "objects", "ball.zip")
+        with open(archive, "rb") as file:
+            whole = file.read()
+        for damage in whole + b"more", whole + whole, b"x" + whole:
+            with open(archive, "wb") as file:
+                file.write(damage)
+            run = self.verified(*quick("packed"))
+            self.assertEqual(run.returncode, 3, run.stderr)
+            self.assertIn("objects/ball.zip: differs from what was written", run.stderr)
+        with open(archive, "wb") as file:
+            file.write(whole)
+        self.assertEqual(self.verified(*quick("packed")).returncode, 0)
+
+    def test_a_change_of_any_file_is_found(self):
+        draw = random.Random(7)
+        for layout in LAYOUTS:
+            whole, out = self.path("whole_" + layout), self.path("out_" + layout)
+            self.out = whole
+            self.done(*quick(layout), "--match", "ball*", "--verify")
+            self.out = out
+            names = [name for name in sorted(tree(whole)) if name[-1] != "/"]
+            for _ in range(int(os.environ.get("SHERD_SWEEP", 3))):
+                name = draw.choice(names)
+                shutil.rmtree(out, ignore_errors=True)
+                shutil.copytree(whole, out)
+                with open(os.path.join(out, name), "r+b") as file:
+                    data = file.read()
+                    at, kind = draw.randrange(len(data) or 1), draw.choice(("flip", "append", "cut")) if data else "append"
+                    if kind == "flip":
+                        file.seek(at)
+                        file.write(bytes([data[at] ^ 1 << draw.randrange(8)]))
+                    elif kind == "append":
+                        file.write(draw.choice((data, b"\0", b"\n")) or b"x")
+                    else:
+                        file.truncate(at)
+                with self.subTest(layout=layout, name=name, kind=kind, at=at):
+                    run = self.verified(*quick(layout))
+                    found = run.returncode in (2, 3) or "made again" in run.stderr  # an HDF5 file is
+                    self.assertTrue(found, run.stdout + run.stderr)
+
+    def test_what_was_written_anew_is_whole_again(self):
+        self.done(*QUICK, "--match", "ball*")
+        for name in "index.jsonl", "train.txt", "dataset.json", "report.html":
+            with open(os.path.join(self.out, name), "ab") as file:
+                file.write(b" ")
+            run = self.verified(*QUICK)
+            self.assertEqual(run.returncode, 3, run.stderr)
+            self.assertIn(name + ": differs from what was written", run.stderr)
+            self.assertEqual(self.verified(*QUICK).returncode, 0)
+        image = next(name for name in sorted(tree(self.out)) if name.endswith(".png"))
+        with open(os.path.join(self.out, image), "ab") as file:
+            file.write(b" ")
+        for _ in range(2):  # images are not written anew
+            self.assertIn(image + ": differs", self.verified(*QUICK).stderr)
+
+    def test_sha256sum_reads_the_checksums(self):
+        library = self.library_of("a.obj", "b c/d\\e.obj")
+        self.done(*quick("bb"), library=library)
+        run = subprocess.run(["sha256sum", "--check", "--strict", "--quiet", "journal/SHA256SUMS"], cwd=self.out)
+        self.assertEqual(run.returncode, 0)
+
+
+class Failures(Safety):
+    def failures(self):
+        with open(os.path.join(self.out, "failures.jsonl")) as lines:
+            return {line["object"]: line["reason"] for line in map(json.loads, lines)}
+
+    def test_for_want_of_time_or_memory_they_are_tried_again(self):
+        self.done(*QUICK, "--match", "ball*")
+        whole = dataset(self.out)
+        for short in ("--object-timeout", "0.001"), ("--max-memory", "1M"):
+            self.fresh()
+            for more in (), ("--resume",):
+                run = self.dataset(*QUICK, "--match", "ball*", *short, *more)
+                self.assertEqual(run.returncode, 3, run.stderr)
+                self.assertIn("(" + short[0] + ")" if "time" in short[0] else short[0], run.stderr)
+                self.assertEqual(set(self.failures()), {"ball.obj"})
+            self.done(*QUICK, "--match", "ball*", "--resume")
+            self.assertEqual(dataset(self.out), whole)
+
+    def test_of_a_bad_mesh_they_stay_until_it_is_another(self):
+        library = self.library_of("a.obj", "b.obj")
+        bad = os.path.join(library, "c.obj")
+        with open(bad, "w") as file:
+            file.write("f 1 2 3\n")
+        self.done(*QUICK, library=library)
+        failed, journal = self.failures(), self.file("journal/c.jsonl")
+        self.assertEqual(set(failed), {"c.obj"})
+        self.assertNotIn("failed", self.done(*QUICK, "--resume", library=library).stderr)
+        self.assertEqual((self.failures(), self.file("journal/c.jsonl")), (failed, journal))
+        shutil.copy(os.path.join(library, "a.obj"), bad)
+        self.done(*QUICK, "--resume", "--verify", library=library)
+        self.assertEqual(self.failures(), {})
+        self.assertEqual({row["object"] for row in self.rows()}, {"a.obj", "b.obj", "c.obj"})
+
+    def test_damaged_volumes_among_good_meshes_are_named(self):
+        library = self.library_of(*(f"good_{i}.obj" for i in range(10)))
+        self.assertEqual(self.run_sherd("fracture", os.path.join(library, "good_0.obj"), "-o", self.path("volume"), "--pieces", "1",
+                                        "--resolution", "12", "--write", "solid,vdb").returncode, 0)
+        with open(self.path("volume/fragments/good_0.vdb"), "rb") as file:
+            volume = file.read()
+        for i in range(10):
+            with open(os.path.join(library, f"bad_{i}.vdb"), "wb") as file:
+                file.write(volume[:i * len(volume) // 10])
+        for layout in LAYOUTS:
+            with self.subTest(layout=layout):
+                self.fresh()
+                for more in (), ("--resume", "--verify"):
+                    self.done(*quick(layout), *more, library=library)
+                    self.assertEqual(set(self.failures()), {f"bad_{i}.vdb" for i in range(10)})
+                    self.assertEqual({row["object"] for row in self.rows()}, {f"good_{i}.obj" for i in range(10)})
 
 
 class Library(Safety):

@@ -224,24 +224,6 @@ class Run(Dataset):
             self.assertEqual(row["truth_rotation"], [w, -x, -y, -z])
             self.assertEqual(row["truth_translation"], row["center"])
 
-    def test_poses_of_an_earlier_version_are_read(self):
-        arguments = ("--poses", "--match", "ball*", "--pieces", "2", "--repeats", "1")
-        self.done(*arguments)
-        before = dataset(self.out)
-        journals = [os.path.join(self.out, "journal", name) for name in os.listdir(os.path.join(self.out, "journal")) if name.endswith(".jsonl")]
-        for journal in journals:
-            with open(journal) as file:
-                text = file.read()
-            self.assertIn('"truth_rotation"', text)
-            for former, current in (("truth_turn", "truth_rotation"), ("truth_shift", "truth_translation"), ("turn", "rotation"), ("centre", "center")):
-                text = text.replace(f'"{current}"', f'"{former}"')
-            with open(journal, "w") as file:
-                file.write(text)
-        self.done(*arguments, "--resume")
-        index = {name: content for name, content in before.items() if "index" in name}
-        self.assertTrue(index)
-        self.assertEqual({name: dataset(self.out)[name] for name in index}, index)
-
     def test_options_out_of_files(self):
         self.done("--erode-iterations", "1", "--match", "ball*")
         plain = dataset(self.out)

@@ -100,25 +100,26 @@ inline Files journal() {
   return {std::string() + R"({"object":"ball.obj","sha256":)" + sum +
           R"(})"
           "\n"
-          R"({"fracture":"whole","pieces":0,"repeat":0,"attempt":0,"seed":0,"options":{},"labels")"
-          R"(:["objects/ball/whole/labels.rle"],"fragments":[{"id":1,"voxels":232,"share":1.0,"vo)"
-          R"(lume":3.25,"vertices":282,"faces":560,"contacts":[],"pose":{"turn":[-0.36,0.47,0.72,)"
-          R"(-0.35],"center":[0.0,-0.0,0.0],"truth_turn":[-0.36,-0.47,-0.72,0.35],"truth_shift":[)"
-          R"(0.0,-0.0,0.0]},"files":["objects/ball/whole/meshes/ball.ply"]}],"files":[["objects/b)"
-          R"(all/whole/labels.rle",450,)" +
+          R"({"fracture":"whole","pieces":0,"repeat":0,"attempt":0,"seed":0,"options":{},"l)"
+          R"(abels":["objects/ball/whole/labels.rle"],"fragments":[{"id":1,"voxels":232,"sh)"
+          R"(are":1.0,"volume":3.25,"vertices":282,"faces":560,"contacts":[],"pose":{"rotat)"
+          R"(ion":[-0.36,0.47,0.72,-0.35],"center":[0.0,-0.0,0.0],"truth_rotation":[-0.36,-)"
+          R"(0.47,-0.72,0.35],"truth_translation":[0.0,-0.0,0.0]},"files":["objects/ball/wh)"
+          R"(ole/meshes/ball.ply"]}],"files":[["objects/ball/whole/labels.rle",450,)" +
           sum + R"(],["objects/ball/whole/meshes/ball.ply",17683,)" + sum +
           R"(]],"archive":0})"
           "\n"
-          R"({"fracture":"2f_0","pieces":2,"repeat":0,"attempt":0,"seed":6734445900340111874,"opt)"
-          R"(ions":{"roughness":"0"},"labels":["objects/ball/2f_0/labels.rle"],"fragments":[{"id")"
-          R"(:1,"voxels":114,"share":0.49,"volume":1.59,"vertices":200,"faces":396,"contacts":[[2)"
-          R"(,3.18]],"pose":{"turn":[-0.62,-0.76,-0.02,0.21],"center":[-0.05,0.26,-0.24],"truth_t)"
-          R"(urn":[-0.62,0.76,0.02,-0.21],"truth_shift":[-0.05,0.26,-0.24]},"files":["objects/bal)"
-          R"(l/2f_0/meshes/ball_001.ply"]},{"id":2,"voxels":118,"share":0.51,"volume":1.66,"verti)"
-          R"(ces":200,"faces":396,"contacts":[[1,3.18]],"pose":{"turn":[-0.14,0.79,0.35,-0.49],"c)"
-          R"(entre":[0.05,-0.25,0.23],"truth_turn":[-0.14,-0.79,-0.35,0.49],"truth_shift":[0.05,-)"
-          R"(0.25,0.23]},"withheld":true,"files":[]}],"files":[["objects/ball/2f_0/labels.rle",64)"
-          R"(2,)" +
+          R"({"fracture":"2f_0","pieces":2,"repeat":0,"attempt":0,"seed":673444590034011187)"
+          R"(4,"options":{"roughness":"0"},"labels":["objects/ball/2f_0/labels.rle"],"fragm)"
+          R"(ents":[{"id":1,"voxels":114,"share":0.49,"volume":1.59,"vertices":200,"faces":)"
+          R"(396,"contacts":[[2,3.18]],"pose":{"rotation":[-0.62,-0.76,-0.02,0.21],"center")"
+          R"(:[-0.05,0.26,-0.24],"truth_rotation":[-0.62,0.76,0.02,-0.21],"truth_translatio)"
+          R"(n":[-0.05,0.26,-0.24]},"files":["objects/ball/2f_0/meshes/ball_001.ply"]},{"id)"
+          R"(":2,"voxels":118,"share":0.51,"volume":1.66,"vertices":200,"faces":396,"contac)"
+          R"(ts":[[1,3.18]],"pose":{"rotation":[-0.14,0.79,0.35,-0.49],"center":[0.05,-0.25)"
+          R"(,0.23],"truth_rotation":[-0.14,-0.79,-0.35,0.49],"truth_translation":[0.05,-0.)"
+          R"(25,0.23]},"withheld":true,"files":[]}],"files":[["objects/ball/2f_0/labels.rle)"
+          R"(",642,)" +
           sum + R"(],["objects/ball/2f_0/manifest.json",4169,)" + sum +
           R"(],["objects/ball/2f_0/meshes/ball_001.ply",12599,)" + sum +
           R"(]],"archive":0})"
