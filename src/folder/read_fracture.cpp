@@ -11,6 +11,7 @@
 #include "base/sha256.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
+#include "formats/voxels/voxel_lookup.h"
 #include "grow/small_components.h"
 #include "mesh/joined.h"
 #include "voxelize/distance.h"
@@ -22,23 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // Converts the labels of a voxel file to the leaves of the solid.
-Labels labelsOn(const Solid& solid, const VoxelLabels& voxels, const Manifest& manifest,
+Labels labelsOn(const Solid& solid, const RunLengthVoxels& voxels, const Manifest& manifest,
                 const fs::path& file) {
+  const VoxelLookup lookup(voxels);
   Labels labels;
   labels.blocks = solid.blocks;
   labels.fragmentCount = static_cast<int>(manifest.fragments.size());
   labels.fragment.assign(solid.blocks->count() * 512, 0);
   solid.blocks->forEachInside([&](std::size_t voxel) {
-    const openvdb::Coord at = solid.blocks->voxelAt(voxel) - manifest.indexMin;
-    std::uint16_t label = 0;
-    if (at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < voxels.dims.x() &&
-        at.y() < voxels.dims.y() && at.z() < voxels.dims.z()) {
-      const auto side = [&](int axis) { return static_cast<std::size_t>(voxels.dims[axis]); };
-      label = voxels.labels[(static_cast<std::size_t>(at.x()) * side(1) +
-                             static_cast<std::size_t>(at.y())) *
-                                side(2) +
-                            static_cast<std::size_t>(at.z())];
-    }
+    const std::uint16_t label = lookup.at(solid.blocks->voxelAt(voxel) - manifest.indexMin);
     if (label < 2 || label > labels.fragmentCount + 1) {
       inputError(file, "does not belong to the fragments' .vdb files beside it");
     }
@@ -98,7 +91,7 @@ FinishedFracture readFracture(const fs::path& file) {
   solid.distance = std::move(whole);
   measureVoxels(solid);
 
-  finished.labels = labelsOn(solid, expand(readVoxels(*labels).voxels), manifest, *labels);
+  finished.labels = labelsOn(solid, readVoxels(*labels).voxels, manifest, *labels);
   return finished;
 }
 

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import shutil
+import subprocess
 import unittest
 
 import numpy as np
@@ -317,6 +318,30 @@ class Again(Options):
             volume = sum(f["volume"] for f in pieces)
             # A tenth of a voxel more or less along a rim, and for new cuts all over them, of pieces 10 voxels wide.
             self.assertLess(abs(volume / old["volume"] - 1), 0.01 if len(pieces) == 1 else 0.03)
+
+    def test_in_a_box_of_more_than_2_31_voxels(self):
+        """Two cubes at its ends: labels are read from their runs, in the memory that the cubes take."""
+        two, first = os.path.join(self.data, "two.obj"), os.path.join(self.data, "first")
+        with open(two, "w") as file:
+            for at in 0, 69:
+                file.writelines(f"v {at + x} {at + y} {at + z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+            file.writelines(f"f {' '.join(str(int(i) + first) for i in face)}\n" for first in (0, 8)
+                            for face in ("1342", "5687", "1265", "3784", "1573", "2486"))
+        result = self.run_sherd("fracture", two, "-o", first, "--pieces", "2", "--resolution", "1400", "--write", "labels,vdb")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(first, "labels.rle"), "rb") as file:
+            sides = np.frombuffer(file.read(12), "<u4").astype(int)
+        self.assertGreater(sides.prod(), 2**31)
+        words = [os.environ["SHERD_BIN"], "fracture", os.path.join(first, "manifest.json"), "--only", "2", "-o", self.out, "--pieces", "3", "--write", "labels"]
+        run = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        said = run.stderr.read()
+        run.stderr.close()
+        _, status, used = os.wait4(run.pid, 0)
+        run.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(run.returncode, 0, said)
+        self.assertLess(used.ru_maxrss, 500_000)  # kB; the box alone has 5 GB of labels
+        with open(os.path.join(self.out, "manifest.json")) as file:
+            self.assertEqual(sorted(f["parent"] for f in json.load(file)["fragments"]), [1, 2, 2, 2])
 
     def test_edges_and_planes_are_those_of_the_meshes(self):
         """A rotated cube: eight corners times a matrix of orthogonal columns."""

@@ -11,6 +11,7 @@
 #include <random>
 #include <string>
 
+#include "formats/voxels/voxel_lookup.h"
 #include "temp_folder.h"
 
 namespace sherd {
@@ -212,6 +213,40 @@ TEST(EncodeRuns, HoldsEveryInsideVoxelAndNoOther) {
       ASSERT_NE(runs.runs[i - 1].label, runs.runs[i].label) << "seed " << seed << ", run " << i;
     }
   }
+}
+
+TEST(VoxelLookup, FindsEveryVoxelOfABox) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Sample sample =
+        randomSample(seed, {-16, 8, -8 * static_cast<int>(seed)}, 1 + static_cast<int>(seed % 5));
+    if (sample.solid.box.empty()) continue;
+    const RunLengthVoxels runs = encodeRuns(sample.solid, sample.labels);
+    const VoxelLookup lookup(runs);
+    std::size_t i = 0, wrong = 0;
+    for (int x = 0; x < runs.dims.x(); ++x) {
+      for (int y = 0; y < runs.dims.y(); ++y) {
+        for (int z = 0; z < runs.dims.z(); ++z) {
+          wrong += lookup.at({x, y, z}) != sample.dense.labels[i++];
+        }
+      }
+    }
+    EXPECT_EQ(wrong, 0u) << "seed " << seed;
+    for (const openvdb::Coord& beyond : {openvdb::Coord(-1, 0, 0), {0, runs.dims.y(), 0}}) {
+      EXPECT_EQ(lookup.at(beyond), 0);
+    }
+  }
+}
+
+// A box of 2^33 voxels takes the memory of its four runs.
+TEST(VoxelLookup, FindsVoxelsOfAHugeBox) {
+  const RunLengthVoxels runs{{2048, 2048, 2048},
+                             {{2, 1}, {0, 0xffffffff}, {0, 0xffffffff}, {3, 1}}};
+  const VoxelLookup lookup(runs);
+  EXPECT_EQ(lookup.at({0, 0, 0}), 2);
+  EXPECT_EQ(lookup.at({0, 0, 1}), 0);
+  EXPECT_EQ(lookup.at({1024, 1024, 1024}), 0);
+  EXPECT_EQ(lookup.at({2047, 2047, 2046}), 0);
+  EXPECT_EQ(lookup.at({2047, 2047, 2047}), 3);
 }
 
 TEST(EncodeRuns, SplitsRunsThat32BitsCannotHold) {
