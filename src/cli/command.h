@@ -27,11 +27,12 @@ void addOptionsCommand(CLI::App& app, Action& run);
 void addDevicesCommand(CLI::App& app, Action& run);
 void addDoctorCommand(CLI::App& app, Action& run);
 
-/// Writes results to standard output.
+/// Writes results to standard output, control characters but line breaks escaped (printable); names
+/// in plain text are escaped whole by the caller, so that they stay in their line.
 ///   throws  Error(output) it is closed or full; Error(cancelled)
 void printResult(const std::string& text);
 
-/// Writes one line to standard error; failures are ignored.
+/// Writes one line to standard error, control characters escaped; failures are ignored.
 void printMessage(const std::string& line);
 
 /// Returns an error's sentence with the flags of its options: "...; try a higher resolution

@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "base/option_names.h"
 #include "base/option_text.h"
+#include "base/printable.h"
 #include "cli/command.h"
 #include "cli/held_files.h"
 #include "cli/interrupts.h"
@@ -147,9 +148,9 @@ void runConvert(const ConvertArguments& arguments) {
   report.update(done.fields);
   report["losses"] = done.losses;
   const std::string result =
-      arguments.json
-          ? report.dump(1, ' ', false, Json::error_handler_t::replace)
-          : arguments.out + ": " + report["kind"].get<std::string>() + " of " + arguments.in;
+      arguments.json ? report.dump(1, ' ', false, Json::error_handler_t::replace)
+                     : printable(arguments.out + ": " + report["kind"].get<std::string>() + " of " +
+                                 arguments.in);
   finish(files, [&] { printResult(result + "\n"); });
 }
 

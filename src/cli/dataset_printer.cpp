@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "base/printable.h"
 #include "cli/command.h"
 #include "cli/progress_line.h"
 
@@ -98,7 +99,7 @@ void DatasetPrinter::drawLine(const DatasetProgress& progress) {
       "\r\x1b[K%3d %%  %zu of %zu objects, %zu of %zu fractures, %.1f fragments/s, %s left  %s",
       percent, progress.objects, progress.ofObjects, progress.fractures, progress.ofFractures,
       fragmentsPerSecond(progress), timeText(secondsLeft(progress)).c_str(),
-      progress.object.c_str());
+      printable(progress.object).c_str());
   std::fflush(stderr);
   last_ = now;
   lineIsDrawn = true;
@@ -135,7 +136,7 @@ void DatasetPrinter::printSummary(const std::string& folder, const DatasetSummar
     std::snprintf(text, sizeof text,
                   ": %zu fractures, %zu fragments by this shard; sherd merge joins all shards\n",
                   summary.fractures, summary.fragments);
-    return printResult(folder + text);
+    return printResult(printable(folder) + text);
   }
   std::snprintf(text, sizeof text,
                 ": %zu fractures of %zu objects, %zu fragments, %.3g GB; %zu objects failed",
@@ -143,7 +144,7 @@ void DatasetPrinter::printSummary(const std::string& folder, const DatasetSummar
                 static_cast<double>(summary.bytes) * 1e-9, summary.failures);
   const std::string skipped =
       summary.skipped == 0 ? "" : ", " + std::to_string(summary.skipped) + " paths skipped";
-  printResult(folder + text + skipped + "\n");
+  printResult(printable(folder) + text + skipped + "\n");
 }
 
 void DatasetPrinter::printVerified(const std::string& folder, const DatasetCheck& check) {
@@ -164,7 +165,8 @@ void DatasetPrinter::printVerified(const std::string& folder, const DatasetCheck
   if (json_) {
     return printEvent({{"event", "verified"}, {"files", check.files}, {"bytes", check.bytes}});
   }
-  if (!quiet_) printResult(folder + ": all " + std::to_string(check.files) + " files are whole\n");
+  if (!quiet_)
+    printResult(printable(folder) + ": all " + std::to_string(check.files) + " files are whole\n");
 }
 
 void DatasetPrinter::printForecast(const DatasetForecast& forecast) {

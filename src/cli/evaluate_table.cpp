@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "base/formatted.h"
+#include "base/printable.h"
 #include "cli/evaluate_report.h"
 
 namespace sherd::cli {
@@ -9,8 +10,8 @@ namespace {
 
 std::string title(const EvaluateReport& report) {
   const std::size_t count = report.evaluation.fragments.size();
-  std::string text =
-      report.folder + ": " + std::to_string(count) + (count == 1 ? " fragment" : " fragments");
+  std::string text = printable(report.folder) + ": " + std::to_string(count) +
+                     (count == 1 ? " fragment" : " fragments");
   if (!report.set.manifest) return text + " (meshes without a manifest)";
   return text + " of " + report.set.source + ", seed " + std::to_string(report.set.seed);
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/formatted.h"
+#include "base/printable.h"
 #include "base/text_scan.h"
 
 namespace sherd::cli {
@@ -72,11 +73,11 @@ std::string textOf(const FractureSummary& summary) {
   const FractureResult& result = summary.result;
   const std::string withheld =
       result.withheld > 0 ? ", " + std::to_string(result.withheld) + " of them withheld," : "";
-  return (isMesh(summary) ? meshReport(summary.source, result) : "") + summary.folder + ": " +
-         std::to_string(result.fragments.size()) + " fragments of " + summary.source.name +
-         withheld + " in " + number(summary.times.back().seconds, 3) + " s (" +
-         std::to_string(result.solid.voxels) + " voxels of " +
-         number(result.solid.frame.voxelSize, 4) + ", seed " +
+  return (isMesh(summary) ? meshReport(summary.source, result) : "") + printable(summary.folder) +
+         ": " + std::to_string(result.fragments.size()) + " fragments of " +
+         printable(summary.source.name) + withheld + " in " +
+         number(summary.times.back().seconds, 3) + " s (" + std::to_string(result.solid.voxels) +
+         " voxels of " + number(result.solid.frame.voxelSize, 4) + ", seed " +
          std::to_string(summary.options.seed) + ", " + summary.device.name + ")\n";
 }
 

@@ -14,6 +14,7 @@
 #include "base/lower_case.h"
 #include "base/memory.h"
 #include "base/option_names.h"
+#include "base/printable.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
 
@@ -160,7 +161,7 @@ Json inspect(const fs::path& file) {
 // ---- Plain text
 
 std::string plain(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return printable(value.get<std::string>());
   if (value.is_number_float()) {
     char text[64];
     std::snprintf(text, sizeof text, "%.6g", value.get<double>());
@@ -195,13 +196,13 @@ std::string asText(const Json& object, const std::string& indent = "") {
   std::string text;
   for (const auto& [key, value] : object.items()) {
     if (value.is_object()) {
-      text += indent + key + "\n" + asText(value, indent + "  ");
+      text += indent + printable(key) + "\n" + asText(value, indent + "  ");
     } else if (key == "fragments") {
       text += table(value);
     } else if (key == "grids") {
       for (const Json& grid : value) text += indent + "grid\n" + asText(grid, indent + "  ");
     } else {
-      text += indent + pad(key, 22) + plain(value) + "\n";
+      text += indent + pad(printable(key), 22) + plain(value) + "\n";
     }
   }
   return text;

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/printable.h"
 #include "base/unfinished.h"
 #include "cli/progress_line.h"
 
@@ -61,7 +62,8 @@ void printAtOnce(const std::string& text) {
   try {
     removeUnfinished();
     if (!isDone) {
-      printAtOnce((lineIsDrawn ? kClearLine : "") + ("sherd: " + interruptSentence() + "\n"));
+      printAtOnce((lineIsDrawn ? kClearLine : "") + printable("sherd: " + interruptSentence()) +
+                  "\n");
     }
   } catch (const std::exception&) {
     // No memory for the message; the status is enough.

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/atomic_file.h"
+#include "base/printable.h"
 #include "base/version.h"
 #include "cli/cgal_checks.h"
 #include "cli/command.h"
@@ -29,7 +30,8 @@ namespace sherd::cli {
 void printResult(const std::string& text) {
   constexpr std::size_t kAtOnce = 4096;  // PIPE_BUF: a pipe that polls writable accepts so much
   constexpr int kMilliseconds = 100;
-  std::string_view rest = text;
+  const std::string shown = printable(text, LineBreaks::kept);
+  std::string_view rest = shown;
   while (!rest.empty()) {
     stopIfInterrupted();
     pollfd to{STDOUT_FILENO, POLLOUT, 0};
@@ -42,7 +44,7 @@ void printResult(const std::string& text) {
   }
 }
 
-void printMessage(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+void printMessage(const std::string& line) { std::fputs((printable(line) + "\n").c_str(), stderr); }
 
 std::string sentenceOf(const Error& error) {
   std::string flags;

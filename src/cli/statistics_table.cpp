@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "base/formatted.h"
+#include "base/printable.h"
 #include "cli/statistics_report.h"
 
 namespace sherd::cli {
@@ -33,8 +34,8 @@ std::string meanLines(const char* name, const std::optional<MeanFigure>& figure,
 
 std::string statisticsTitle(const StatisticsReport& report) {
   const std::size_t count = report.statistics.fragments.size();
-  std::string text =
-      report.folder + ": " + std::to_string(count) + (count == 1 ? " fragment" : " fragments");
+  std::string text = printable(report.folder) + ": " + std::to_string(count) +
+                     (count == 1 ? " fragment" : " fragments");
   if (!report.set.manifest) return text + " (meshes without a manifest)\n";
   return text + " of " + report.set.source + ", seed " + std::to_string(report.set.seed) + "\n";
 }

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/memory.h"
+#include "base/printable.h"
 #include "cli/command.h"
 #include "cli/held_files.h"
 #include "cli/interrupts.h"
@@ -71,7 +72,7 @@ void runView(const ViewArguments& arguments) {
   for (const std::string& warning : viewer.warnings) {
     printMessage("sherd: warning: " + warning + " (--max-size)");
   }
-  finish(files, [&] { printResult(output.string() + "\n"); });
+  finish(files, [&] { printResult(printable(output.string()) + "\n"); });
   if (arguments.opens) openInBrowser(output);
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/formatted.h"
 #include "base/option_names.h"
+#include "base/printable.h"
 #include "base/text_scan.h"
 
 namespace sherd {
@@ -58,8 +59,8 @@ std::string choiceText(const SolidReport& report) {
 
 // Returns the file's name, with the object's name if `source` is one object of the file.
 std::string titleOf(const SourceMesh& source) {
-  return source.objects.size() == 1 ? source.name + ", " + inQuotes(source.objects.front())
-                                    : source.name;
+  const std::string name = printable(source.name);
+  return source.objects.size() == 1 ? name + ", " + inQuotes(source.objects.front()) : name;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@ SHERD_BIN names the program.
 """
 import json
 import os
+import shutil
 import subprocess
 import unittest
 
@@ -95,6 +96,70 @@ class StandardOutput(CommandLine):
         self.assertFalse([n for n in tree(self.out) if ".sherd-" in n])
         run = self.run_sherd(*arguments, "--resume", "--verify")
         self.assertEqual(run.returncode, 0, run.stderr)
+
+
+class ControlCharacters(CommandLine):
+    """Names are shown as text, whatever they hold: no byte of a name moves the cursor or changes a terminal's title."""
+
+    NAME = b"a\x1b]0;x\x07\x1b[31m\n\r\tb\x7f\xc2\x9bc\x9bd\xc3\xa9"
+    SHOWN = "a\\u001b]0;x\\u0007\\u001b[31m\\u000a\\u000d\\u0009b\\u007f\\u009bc\\x9bd\u00e9"
+
+    def run_raw(self, *arguments):
+        return subprocess.run([os.environ["SHERD_BIN"], *arguments], capture_output=True)
+
+    def shows(self, *arguments, status=0):
+        run = self.run_raw(*arguments)
+        self.assertEqual(run.returncode, status, run.stderr)
+        both = run.stdout + run.stderr
+        text = both.decode()  # valid
+        raw = [c for c in text if c != "\n" and (ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0)]
+        self.assertEqual(raw, [], text)
+        self.assertIn(self.SHOWN, text)
+        return text
+
+    def named(self, end, of):
+        path = os.path.join(os.fsencode(self.tmp), self.NAME + end)
+        shutil.copy(of, path)
+        return path
+
+    def test_of_files(self):
+        mesh = self.named(b".obj", self.ball)
+        out = os.path.join(os.fsencode(self.tmp), self.NAME)
+        text = self.shows("fracture", mesh, "-o", out, "--pieces", "3", "--resolution", "24", "--write", "labels,vdb,mesh")
+        self.assertEqual(text.count("\n"), 4, text)  # no name breaks a line
+        self.shows("evaluate", out)
+        self.shows("evaluate", out, "--statistics")
+        self.shows("convert", mesh, "-o", os.path.join(os.fsencode(self.tmp), b"b.ply"))
+        self.shows("view", out, "-o", out + b".html")
+        self.shows("inspect", out + b"/absent.obj", status=3)
+        self.shows("fracture", mesh + b".absent", "-o", "x", status=3)
+        self.shows("fracture", "--config", mesh + b".toml", "-o", "x", status=3)
+        self.shows(b"frac" + self.NAME, status=2)
+        self.shows("fracture", mesh, "-o", "x", "--growth", self.NAME, status=2)
+
+    def test_of_a_library(self):
+        library = self.path("library")
+        os.mkdir(library)
+        shutil.copy(self.ball, os.path.join(os.fsencode(library), self.NAME + b".obj"))
+        with open(os.path.join(os.fsencode(library), self.NAME + b".stl"), "w") as bad:
+            bad.write("solid nothing")
+        self.shows("dataset", library, "-o", self.path("set"), "--pieces", "2", "--repeats", "1", "--resolution", "24")
+
+    def test_within_files(self):
+        path = self.path("named.obj")
+        with open(self.ball) as ball, open(path, "wb") as out:
+            out.write(b"o " + self.NAME.replace(b"\n", b"").replace(b"\r", b"") + b"\n" + ball.read().encode())
+        for arguments in ["inspect", path], ["fracture", path, "-o", self.out, "--pieces", "2", "--resolution", "24", "--split-objects"]:
+            run = self.run_raw(*arguments)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            text = (run.stdout + run.stderr).decode()
+            self.assertEqual([c for c in text if c != "\n" and (ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0)], [], text)
+
+    def test_json_keeps_its_meaning(self):
+        mesh = self.named(b".obj", self.ball)
+        run = self.run_raw("inspect", mesh, "--json")
+        self.assertEqual(json.loads(run.stdout)["file"], mesh.decode(errors="replace"))
+        self.assertEqual([c for c in run.stdout.decode() if c != "\n" and (ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0)], [])
 
 
 if __name__ == "__main__":
