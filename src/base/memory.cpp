@@ -21,14 +21,14 @@ namespace sherd {
 namespace {
 
 // Returns the first number in a file of the kernel; infinity for "max" and for absent files.
-double numberIn(const std::string& file) {
+double numberIn(const std::filesystem::path& file) {
   std::ifstream in(file);
   double value = 0.0;
   return in >> value ? value : std::numeric_limits<double>::infinity();
 }
 
 // Returns the number after a line's prefix; infinity if there is none.
-double numberBehind(const std::string& file, std::string_view beginning) {
+double numberBehind(const std::filesystem::path& file, std::string_view beginning) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with(beginning)) return std::strtod(line.c_str() + beginning.size(), nullptr);
@@ -36,24 +36,45 @@ double numberBehind(const std::string& file, std::string_view beginning) {
   return std::numeric_limits<double>::infinity();
 }
 
-// Returns what the nested cgroups of this process may still use; cached file pages count as free.
-double freeOfGroups() {
-  std::string group;
-  std::ifstream in("/proc/self/cgroup");
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("0::")) group = line.substr(3);
-  }
-  double free = std::numeric_limits<double>::infinity();
+// The names of a version's files.
+struct GroupFiles {
+  const char *folder, *limit, *used, *cached;
+};
+constexpr GroupFiles kVersion1{"sys/fs/cgroup/memory", "memory.limit_in_bytes",
+                               "memory.usage_in_bytes", "total_inactive_file "};
+constexpr GroupFiles kVersion2{"sys/fs/cgroup", "memory.max", "memory.current", "inactive_file "};
+
+// Version 1 writes a number of about 2^63 where there is no limit.
+constexpr double kNoLimit = 0x1p62;
+
+double finiteOr0(double value) { return std::isfinite(value) ? value : 0.0; }
+
+// Returns what a group and those that it is in leave.  In a container the path may be the host's,
+// of which only the root exists.
+double leftBy(const std::filesystem::path& root, const std::string& group,
+              const GroupFiles& files) {
+  double left = std::numeric_limits<double>::infinity();
   for (std::filesystem::path at = group; !at.empty(); at = at.parent_path()) {
-    const std::string folder = "/sys/fs/cgroup" + at.string();
-    const double used = numberIn(folder + "/memory.current"),
-                 limit = numberIn(folder + "/memory.max"),
-                 cached = numberBehind(folder + "/memory.stat", "inactive_file ");
-    const double left = limit - used + cached;
-    if (std::isfinite(left)) free = std::min(free, std::max(left, 0.0));
+    const std::filesystem::path folder = root / files.folder / at.relative_path();
+    const double limit = numberIn(folder / files.limit);
+    if (limit < kNoLimit) {
+      const double used = finiteOr0(numberIn(folder / files.used));
+      const double cached = finiteOr0(numberBehind(folder / "memory.stat", files.cached));
+      left = std::min(left, std::max(limit - used + cached, 0.0));
+    }
     if (at == at.root_path()) break;
   }
-  return free;
+  return left;
+}
+
+// Whether a list "cpu,memory" has a name.
+bool hasName(std::string_view list, std::string_view name) {
+  while (!list.empty()) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    if (list.substr(0, comma) == name) return true;
+    list.remove_prefix(std::min(comma + 1, list.size()));
+  }
+  return false;
 }
 
 std::string gigabytes(std::uint64_t bytes) {
@@ -64,8 +85,24 @@ std::string gigabytes(std::uint64_t bytes) {
 
 }  // namespace
 
+double leftByGroups(const std::filesystem::path& root) {
+  double left = std::numeric_limits<double>::infinity();
+  std::ifstream in(root / "proc/self/cgroup");
+  for (std::string line; std::getline(in, line);) {  // "number:controllers:path"
+    const std::size_t first = line.find(':');
+    const std::size_t second = first == line.npos ? line.npos : line.find(':', first + 1);
+    if (second == line.npos) continue;
+    const std::string group = line.substr(second + 1);
+    const std::string_view controllers =
+        std::string_view(line).substr(first + 1, second - first - 1);
+    if (line.starts_with("0::")) left = std::min(left, leftBy(root, group, kVersion2));
+    if (hasName(controllers, "memory")) left = std::min(left, leftBy(root, group, kVersion1));
+  }
+  return left;
+}
+
 MemoryBounds memoryBounds() {
-  MemoryBounds bounds{1024.0 * numberBehind("/proc/meminfo", "MemAvailable:"), freeOfGroups(),
+  MemoryBounds bounds{1024.0 * numberBehind("/proc/meminfo", "MemAvailable:"), leftByGroups("/"),
                       std::numeric_limits<double>::infinity()};
   rlimit addresses{};
   if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY) {

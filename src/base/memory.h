@@ -9,7 +9,8 @@
 namespace sherd {
 
 /// Returns the bytes that this process can still allocate: the least of what is free without
-/// swapping, what RLIMIT_AS leaves, and what cgroup v2 limits (set by Slurm and containers) leave.
+/// swapping, what RLIMIT_AS leaves, and what the limits of cgroups (set by Slurm and containers)
+/// leave.
 [[nodiscard]] std::uint64_t freeMemory();
 
 /// Returns Error(usage) "WHAT takes up to 3 GB of memory, and 2 GB may be used".

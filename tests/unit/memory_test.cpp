@@ -7,10 +7,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
 #include <string>
 
+#include "base/memory_bounds.h"
 #include "pipeline/memory_estimate.h"
 #include "shapes.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {
@@ -170,6 +175,74 @@ TEST(Memory, ARefusalNamesTheResolutionThatFits) {
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("no resolution fits"), std::string::npos) << e.what();
   }
+}
+
+// The root folder of a system with cgroups.
+class Cgroups : public TempFolder {
+ protected:
+  void write(const std::string& file, const std::string& text) {
+    const std::filesystem::path path = folder_ / file;
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path) << text << "\n";
+  }
+  void group1(const std::string& group, const std::string& limit, const std::string& used,
+              const std::string& cached) {
+    const std::string folder = "sys/fs/cgroup/memory" + group + "/memory.";
+    write(folder + "limit_in_bytes", limit);
+    write(folder + "usage_in_bytes", used);
+    write(folder + "stat", "cache 99\ninactive_file 7\ntotal_inactive_file " + cached);
+  }
+  double left() const { return leftByGroups(folder_); }
+
+  static constexpr const char* kUnlimited = "9223372036854771712";
+};
+
+TEST_F(Cgroups, Version1LimitsAsVersion2) {
+  EXPECT_EQ(left(), std::numeric_limits<double>::infinity());
+  write("proc/self/cgroup",
+        "12:pids:/a\n9:cpu,memory:/a/b\n3:memory_of_others:/c\n1:name=systemd:/");
+  group1("/a/b", "1000", "300", "20");
+  EXPECT_EQ(left(), 720.0);
+  group1("/a", "900", "400", "5");  // the group that it is in leaves less
+  EXPECT_EQ(left(), 505.0);
+  group1("", kUnlimited, "5000", "0");
+  EXPECT_EQ(left(), 505.0);
+  group1("", "600", "500", "0");
+  EXPECT_EQ(left(), 100.0);
+  group1("/a", "900", "1000", "5");  // more than is allowed
+  EXPECT_EQ(left(), 0.0);
+}
+
+TEST_F(Cgroups, Version1WithoutALimitLeavesAll) {
+  write("proc/self/cgroup", "9:memory:/a");
+  group1("/a", kUnlimited, "300", "20");
+  group1("", kUnlimited, "300", "20");
+  EXPECT_EQ(left(), std::numeric_limits<double>::infinity());
+}
+
+// In a container the path is the host's, and the container's own group is the root.
+TEST_F(Cgroups, Version1OfAContainerIsItsRoot) {
+  write("proc/self/cgroup", "9:memory:/docker/0123");
+  group1("", "1000", "100", "0");
+  EXPECT_EQ(left(), 900.0);
+}
+
+TEST_F(Cgroups, LimitsWithoutOtherFilesCount) {
+  write("proc/self/cgroup", "9:memory:/a\n0::/b");
+  write("sys/fs/cgroup/memory/a/memory.limit_in_bytes", "1000");
+  EXPECT_EQ(left(), 1000.0);
+  write("sys/fs/cgroup/b/memory.max", "500");
+  EXPECT_EQ(left(), 500.0);
+}
+
+TEST_F(Cgroups, Version2LimitsByEachOfTheNestedGroups) {
+  write("proc/self/cgroup", "0::/a/b");
+  write("sys/fs/cgroup/a/b/memory.max", "max");
+  EXPECT_EQ(left(), std::numeric_limits<double>::infinity());
+  write("sys/fs/cgroup/a/memory.max", "1000");
+  write("sys/fs/cgroup/a/memory.current", "300");
+  write("sys/fs/cgroup/a/memory.stat", "anon 5\ninactive_file 50");
+  EXPECT_EQ(left(), 750.0);
 }
 
 TEST(Memory, SomeIsFree) { EXPECT_GT(freeMemory(), std::uint64_t{1} << 20); }
