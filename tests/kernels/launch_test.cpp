@@ -24,7 +24,7 @@ namespace {
 
 struct PlantedValues {
   std::uint64_t most = 0;
-  std::int32_t least[3]{};
+  std::int32_t least[4]{};
 };
 
 class Launch : public testing::Test {
@@ -74,7 +74,7 @@ TEST_F(Launch, WithTheParametersOfItsKernelRunsIt) {
   onEach([](DeviceImpl& device, const DeviceBuffer& out, const DeviceBuffer& in) {
     fillBuffer(device, in, kCount, std::uint16_t{7});
     EXPECT_EQ(refusal(device, "planted_mixed", out, in, kCount, kFirst, 2.0f,
-                      PlantedValues{30, {0, 0, 5}}),
+                      PlantedValues{30, {0, 0, 5, 0}}),
               "none");
     EXPECT_EQ(downloaded<std::uint32_t>(device, out, kCount),
               std::vector<std::uint32_t>(kCount, 2 * (1000 + 7 + 5 + 30)));
