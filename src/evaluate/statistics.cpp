@@ -19,6 +19,7 @@
 #include "evaluate/parting_splits.h"
 #include "mesh/flipped_orientation.h"
 #include "mesh/plane_moments.h"
+#include "mesh/symmetric_eigen.h"
 #include "mesh/triangle_area.h"
 
 namespace sherd {

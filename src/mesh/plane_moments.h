@@ -13,13 +13,6 @@ struct FittedPlane {
   double offset = 0.0;
 };
 
-/// Eigenvalues of a symmetric matrix, descending, with unit eigenvectors at right angles.
-struct SymmetricEigen {
-  glm::dvec3 values{0.0};
-  std::array<glm::dvec3, 3> vectors{};
-};
-[[nodiscard]] SymmetricEigen eigenOf(glm::dmat3 symmetric);
-
 /// Integrals of 1, x and x x^T over triangles.  Coordinates should be about a point near them.
 struct PlaneMoments {
   double area = 0.0;

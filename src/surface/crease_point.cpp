@@ -1,43 +1,35 @@
 // Minimizes the quadratic error of tangent planes.
 #include "surface/crease_point.h"
 
-#include <openvdb/math/Mat3.h>
-
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
+
+#include "mesh/symmetric_eigen.h"
 
 namespace sherd {
 namespace {
 
 constexpr double kRounding = 1e-6;
 
-struct Eigen {
-  double value = 0.0;
-  glm::dvec3 vector{0.0};
-};
-
 // Eigenvalues and eigenvectors of the mean of n n^T, descending.
-std::array<Eigen, 3> spreadOf(std::span<const TangentPlane> planes) {
-  openvdb::math::Mat3d mean = openvdb::math::Mat3d::zero();
-  for (const TangentPlane& plane : planes) {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column)
-        mean(row, column) += plane.normal[row] * plane.normal[column];
-    }
-  }
+SymmetricEigen spreadOf(std::span<const TangentPlane> planes) {
+  glm::dmat3 mean(0.0);
+  for (const TangentPlane& plane : planes) mean += glm::outerProduct(plane.normal, plane.normal);
   mean *= 1.0 / static_cast<double>(planes.size());
-  openvdb::math::Mat3d vectors;
-  openvdb::math::Vec3d values;
-  openvdb::math::diagonalizeSymmetricMatrix(mean, vectors, values);
-  std::array<Eigen, 3> all;
+  const SymmetricEigen found = fastEigenOf(mean);
+  std::array<int, 3> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return found.values[a] > found.values[b]; });
+  SymmetricEigen sorted;
   for (int k = 0; k < 3; ++k) {
-    all[static_cast<std::size_t>(k)] = {values[k], {vectors(0, k), vectors(1, k), vectors(2, k)}};
+    const auto to = static_cast<std::size_t>(k);
+    sorted.values[k] = found.values[order[to]];
+    sorted.vectors[to] = found.vectors[static_cast<std::size_t>(order[to])];
   }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Eigen& a, const Eigen& b) { return a.value > b.value; });
-  return all;
+  return sorted;
 }
 
 // Moves a point along a line into a box, as little as possible; stays if the line misses the box.
@@ -73,18 +65,18 @@ bool isSmooth(std::span<const TangentPlane> planes) {
 
 CreaseFit::CreaseFit(std::span<const TangentPlane> planes, const glm::dvec3& mean) : at_(mean) {
   if (isSmooth(planes)) return;
-  const std::array<Eigen, 3> spread = spreadOf(planes);
-  if (spread[1].value < kLeastEigenvalue) return;
-  rank_ = spread[2].value < kLeastEigenvalue ? 2 : 3;
-  least_ = spread[static_cast<std::size_t>(rank_) - 1].value;
-  along_ = spread[2].vector;
+  const SymmetricEigen spread = spreadOf(planes);
+  if (spread.values[1] < kLeastEigenvalue) return;
+  rank_ = spread.values[2] < kLeastEigenvalue ? 2 : 3;
+  least_ = spread.values[rank_ - 1];
+  along_ = spread.vectors[2];
   glm::dvec3 offsets(0.0);
   for (const TangentPlane& plane : planes)
     offsets += glm::dot(plane.normal, plane.point - mean) * plane.normal;
   offsets /= static_cast<double>(planes.size());
   for (int k = 0; k < rank_; ++k) {
-    const Eigen& eigen = spread[static_cast<std::size_t>(k)];
-    at_ += glm::dot(eigen.vector, offsets) / eigen.value * eigen.vector;
+    const glm::dvec3& vector = spread.vectors[static_cast<std::size_t>(k)];
+    at_ += glm::dot(vector, offsets) / spread.values[k] * vector;
   }
 }
 

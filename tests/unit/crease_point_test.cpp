@@ -85,5 +85,30 @@ TEST(CreasePoints, StayInTheBox) {
   EXPECT_TRUE(clamped.isClamped);
 }
 
+// Of a crease along an axis at a right angle up to rounding, the entries beside the diagonal of the
+// normals' covariance are no numbers to divide by, but more than nothing.
+TEST(CreasePoints, AtARightAngleUpToRoundingAreOnBothPlanes) {
+  const glm::dvec3 on(0.6, 0.7, 0.2);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int step = -40; step <= 40; ++step) {
+      for (const double unit : {1e-17, 1e-16, 1e-15, 1e-14, 1e-13}) {
+        glm::dvec3 a(0.0), b(0.0);
+        a[(axis + 1) % 3] = 1.0;
+        a[(axis + 2) % 3] = unit * step;
+        b[(axis + 2) % 3] = 1.0;
+        b[(axis + 1) % 3] = 0.3 * unit * step;
+        const std::vector<TangentPlane> planes{through(on + 0.3 * glm::cross(a, b) + 0.2 * b, a),
+                                               through(on + 0.4 * a, b), through(on + 0.1 * a, b)};
+        const CreasePoint found = creasePoint(planes, meanOf(planes), cellBox(-5.0));
+        ASSERT_EQ(found.rank, 2);
+        for (const TangentPlane& plane : planes) {
+          ASSERT_LT(std::abs(glm::dot(found.at - plane.point, plane.normal)), 1e-9)
+              << axis << ' ' << step << ' ' << unit;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sherd

@@ -19,6 +19,7 @@
 #include "evaluate/crack_faces.h"
 #include "mesh/largest_axis.h"
 #include "mesh/plane_moments.h"
+#include "mesh/symmetric_eigen.h"
 
 namespace sherd {
 namespace {
@@ -574,6 +575,40 @@ TEST(PlaneMoments, FindThePlaneOfATriangle) {
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(std::abs(glm::dot(eigen.vectors[static_cast<std::size_t>(i)], rotation[i])), 1.0,
                 1e-12);
+  }
+}
+
+// A diagonal with entries beside it from far below its rounding to far above, zeros and equal
+// eigenvalues included: the vectors are an orthonormal basis that gives the matrix back.
+TEST(SymmetricEigen, GivesTheMatrixBack) {
+  constexpr std::array<double, 9> kBeside{0.0,   1e-18, -3e-17, 2e-16, -1e-15,
+                                          6e-15, 1e-12, -1e-6,  0.2};
+  for (const glm::dvec3& diagonal : {glm::dvec3(0, 0.5, 0.5),
+                                     {0.5, 0, 0.5},
+                                     {0.5, 0.5, 0},
+                                     {1, 0, 0},
+                                     {1, 1, 1},
+                                     {0.2, 0.3, 0.5},
+                                     {0, 0, 0}}) {
+    for (const double xy : kBeside) {
+      for (const double xz : kBeside) {
+        for (const double yz : kBeside) {
+          const glm::dmat3 matrix({diagonal.x, xy, xz}, {xy, diagonal.y, yz}, {xz, yz, diagonal.z});
+          for (const SymmetricEigen& eigen : {eigenOf(matrix), fastEigenOf(matrix)}) {
+            glm::dmat3 basis(eigen.vectors[0], eigen.vectors[1], eigen.vectors[2]), values(0.0);
+            for (int i = 0; i < 3; ++i) values[i][i] = eigen.values[i];
+            const glm::dmat3 back = basis * values * glm::transpose(basis);
+            const glm::dmat3 unit = glm::transpose(basis) * basis;
+            for (int i = 0; i < 3; ++i) {
+              for (int k = 0; k < 3; ++k) {
+                ASSERT_NEAR(back[i][k], matrix[i][k], 1e-12) << xy << ' ' << xz << ' ' << yz;
+                ASSERT_NEAR(unit[i][k], i == k ? 1.0 : 0.0, 1e-12);
+              }
+            }
+          }
+        }
+      }
+    }
   }
 }
 
