@@ -9,6 +9,7 @@
 #include "appearance/source_faces.h"
 #include "base/memory.h"
 #include "base/uncancelled.h"
+#include "points/check_points.h"
 #include "points/sample_surface.h"
 #include "process.h"
 #include "surface/simplify.h"
@@ -97,7 +98,8 @@ std::vector<sherd::SurfacePoints> Fracture::points(PointChoice choice, const Pro
       options.count = counts[i];
       sherd::uncancelled([&] {
         const auto id = static_cast<int>(i) + 1;
-        points[i] = samplePoints(surfaceOf(i), pointOptionsOf(options, id));
+        points[i] =
+            sherd::checkedPoints(samplePoints(surfaceOf(i), pointOptionsOf(options, id)), id);
       });
     });
     sherd::reportProgress(&progress, "points", 1.0);

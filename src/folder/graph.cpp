@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_of.h"
+#include "base/json_text.h"
 #include "folder/split_parents.h"
 #include "formats/mesh/each_contact.h"
 
@@ -29,7 +30,7 @@ struct Piece {
   double volume = 0.0;
   glm::dvec3 moment{0.0};
 
-  glm::dvec3 centroid() const { return moment / volume; }
+  glm::dvec3 centroid() const { return volume > 0.0 ? moment / volume : moment; }
 };
 
 // [1 + splits] the intact object, and what each split divided.
@@ -87,7 +88,7 @@ void writeGraph(const OutputFile& file, std::span<const Fragment> fragments,
                       {"density", metadata.density},
                       {"chunks", std::move(chunks)},
                       {"bonds", std::move(bonds)}};
-  file.write(graph.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  file.write(jsonText(graph, 1) + "\n");
 }
 
 }  // namespace sherd

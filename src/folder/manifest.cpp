@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "base/json_of.h"
+#include "base/json_text.h"
 #include "base/option_names.h"
 #include "exact/rounded_crossings.h"
 #include "folder/mesh_report.h"
@@ -313,7 +314,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   }
   addFiles(manifest, files);
   // A source's name may have bytes that are not UTF-8, which JSON does not allow.
-  return manifest.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(manifest, 1) + "\n";
 }
 
 }  // namespace sherd

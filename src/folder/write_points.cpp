@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "points/check_points.h"
 #include "points/sample_surface.h"
 #include "surface/fragment_surfaces.h"
 
@@ -24,11 +25,14 @@ SurfacePoints pointsOf(const FractureResult& result, std::size_t i, const PointO
   const PointOptions options = pointOptionsOf(points, fragment.id);
   const auto& surfaces = result.surfaces ? result.surfaces : result.unmerged;
   if (options.count == 0) return {};
-  if (surfaces)
-    return samplePoints(surfaces->byArea(static_cast<std::uint16_t>(fragment.id)), options);
   // The same points whether or not the input has attributes.
-  return fragment.cutFaces.empty() ? samplePoints(fragment.mesh, options)
-                                   : samplePoints(uncut(fragment), options);
+  const auto sampled = [&] {
+    if (surfaces)
+      return samplePoints(surfaces->byArea(static_cast<std::uint16_t>(fragment.id)), options);
+    return fragment.cutFaces.empty() ? samplePoints(fragment.mesh, options)
+                                     : samplePoints(uncut(fragment), options);
+  };
+  return checkedPoints(sampled(), fragment.id);
 }
 
 void writePointsOf(const OutputFolder& folder, const std::vector<std::string>& files,

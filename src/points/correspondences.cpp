@@ -2,6 +2,7 @@
 #include <sherd/points.h>
 
 #include "base/random.h"
+#include "points/check_points.h"
 
 namespace sherd {
 
@@ -22,8 +23,10 @@ Correspondences sampleCorrespondences(std::span<const Fragment> fragments,
       if (area(shared) == 0.0) continue;
       const auto item = static_cast<std::uint64_t>(fragment.id) << 16 |
                         static_cast<std::uint64_t>(contact.fragment);
-      const SurfacePoints points = samplePoints(
-          shared, {.count = countPerContact, .seed = randomBits(seed, Stage::pointContact, item)});
+      const SurfacePoints points =
+          checkedPoints(samplePoints(shared, {.count = countPerContact,
+                                              .seed = randomBits(seed, Stage::pointContact, item)}),
+                        fragment.id);
       found.positions.insert(found.positions.end(), points.positions.begin(),
                              points.positions.end());
       found.normals.insert(found.normals.end(), points.normals.begin(), points.normals.end());

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/cancel_flag.h"
+#include "points/check_points.h"
 #include "points/sample_surface.h"
 #include "surface/fragment_surfaces.h"
 
@@ -25,7 +26,7 @@ std::vector<SurfacePoints> samplePoints(const FragmentSurfaces& surfaces,
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     if (stop.isSet()) return;
     const auto id = static_cast<std::uint16_t>(i + 1);
-    points[i] = samplePoints(surfaces.byArea(id), pointOptionsOf(options, id));
+    points[i] = checkedPoints(samplePoints(surfaces.byArea(id), pointOptionsOf(options, id)), id);
   });
   stop.throwIfSet();
   return points;

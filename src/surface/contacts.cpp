@@ -90,6 +90,7 @@ namespace {
 std::vector<std::vector<Contact>> contactsOf(std::size_t fragments, const ContactSums& sums) {
   std::vector<std::vector<Contact>> all(fragments);
   for (const auto& [pair, sum] : sums) {
+    if (!(sum.area > 0.0)) continue;  // of faces without area
     const double length = glm::length(sum.normal);
     Contact contact;
     contact.area = sum.area;
@@ -201,9 +202,10 @@ std::vector<std::vector<Contact>> ContactMeasure::contacts(std::size_t fragments
   // left nothing else near.
   for (const auto& [pair, sum] : sums_) {
     const auto found = voxels.find(pair);
+    if (!(sum.area > 0.0)) continue;
     if (found != voxels.end()) {
       found->second = sum;
-    } else if (sum.area > 0.0) {
+    } else {
       voxels.emplace(pair, sum);
     }
   }

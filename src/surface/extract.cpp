@@ -15,6 +15,7 @@
 #include "base/uncancelled.h"
 #include "grow/check_labels.h"
 #include "grow/label_slices.h"
+#include "surface/check_finite.h"
 #include "surface/decimate.h"
 #include "surface/exact_meshes.h"
 #include "surface/independent_cracks.h"
@@ -272,6 +273,7 @@ Fragment Extraction::makeFragment(std::size_t i) {
     fragment.mass = massProperties(fragment.mesh);
     measureAreas(fragment);
   }
+  checkFinite(fragment);
   return fragment;
 }
 
@@ -311,8 +313,11 @@ ContactSums Extraction::voxelContactsOf() const {
 }
 
 std::vector<std::vector<Contact>> Extraction::contacts() const {
-  if (surfaces_) return surfaces_->contacts(solid_, uneroded_ ? *uneroded_ : labels_);
-  return measure_.contacts(count_, touching_.empty() ? voxelContactsOf() : voxelContacts_);
+  std::vector<std::vector<Contact>> all =
+      surfaces_ ? surfaces_->contacts(solid_, uneroded_ ? *uneroded_ : labels_)
+                : measure_.contacts(count_, touching_.empty() ? voxelContactsOf() : voxelContacts_);
+  checkFinite(all);
+  return all;
 }
 
 std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const Solid& solid,
@@ -322,6 +327,7 @@ std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const 
   const std::vector<VoxelBox> boxes = voxelBoxes(*solid.blocks, labels);
   std::vector<std::vector<Contact>> contacts =
       surfaces.contacts(solid, uneroded ? *uneroded : labels);
+  checkFinite(contacts);
   std::vector<Fragment> all(surfaces.count());
   CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
@@ -330,6 +336,8 @@ std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const 
     all[i].voxels = voxels[i + 1];
     all[i].voxelBox = boxes[i + 1];
     all[i].contacts = std::move(contacts[i]);
+    all[i].id = static_cast<int>(i + 1);
+    checkFinite(all[i]);
   });
   stop.throwIfSet();
   return all;

@@ -7,10 +7,15 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "base/json_text.h"
 #include "kernels/device_fixture.h"
 #include "pipeline/fracture_stages.h"
+#include "points/check_points.h"
 #include "shapes.h"
+#include "surface/check_finite.h"
 
 namespace sherd {
 namespace {
@@ -252,6 +257,84 @@ TEST_F(Fracture, LabelsOfOtherBlocksAreRefused) {
   EXPECT_EQ(labels.fragmentCount, 1);
   EXPECT_EQ(extractFragments(solid, labels).size(), 1u);
   EXPECT_THROW((void)extractFragments(other, labels), Error);
+}
+
+// Square bars along x, turned about it by rounding: their creases are at right angles up to that.
+TEST_F(Fracture, CreasesAtRightAnglesUpToRoundingGiveFiniteNumbers) {
+  constexpr int kBars = 12;
+  TriangleMesh bars;
+  for (int bar = 0; bar < kBars; ++bar) {
+    const TriangleMesh box = shapes::box({8.0, 1.0, 1.0});
+    const auto first = static_cast<std::uint32_t>(bars.vertices.size());
+    const double angle = (bar - 5.5) * 4e-16;
+    for (const glm::dvec3& v : box.vertices) {
+      const double y = v.y + 0.5, z = v.z + 0.5;
+      bars.vertices.emplace_back(v.x, y - angle * z, 3.0 * bar + z + angle * y);
+    }
+    for (const glm::uvec3& t : box.triangles) bars.triangles.push_back(t + first);
+  }
+  const FractureResult result =
+      fracture(bars, {.pieces = kBars, .solid = {.resolution = 250}}, device());
+  double sum = 0.0, areas = 0.0;
+  for (const Fragment& fragment : result.fragments) {
+    for (const glm::dvec3& v : fragment.mesh.vertices)
+      ASSERT_TRUE(std::isfinite(v.x + v.y + v.z)) << fragment.id;
+    sum += fragment.mass.volume;
+    areas += fragment.area;
+  }
+  // Their creases and corners are vertices, so that the meshes are the bars.
+  EXPECT_NEAR(sum, kBars * 8.0, 1e-6);
+  EXPECT_NEAR(areas, kBars * 34.0, 1e-6);
+}
+
+// Whatever makes a number that is none, no fracture with it is returned.
+TEST(FiniteNumbers, AreRequiredOfFragmentsContactsPointsAndManifests) {
+  const auto refuses = [](const auto& check, const char* what) {
+    try {
+      check();
+      ADD_FAILURE() << what;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::internal);
+      EXPECT_NE(std::string(e.what()).find("fragment 7, stage "), std::string::npos) << e.what();
+    }
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {kInfinity, -kInfinity, std::numeric_limits<double>::quiet_NaN()}) {
+    Fragment sound;
+    sound.id = 7;
+    sound.mesh = shapes::cube(1.0);
+    sound.coarse = {shapes::cube(1.0)};
+    sound.mass = massProperties(sound.mesh);
+    EXPECT_NO_THROW(checkFinite(sound));
+    const auto changed = [&](const auto& change, const char* what) {
+      Fragment fragment = sound;
+      change(fragment);
+      refuses([&] { checkFinite(fragment); }, what);
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      changed([&](Fragment& f) { f.mesh.vertices[5][axis] = bad; }, "vertex");
+      changed([&](Fragment& f) { f.coarse[0].vertices[2][axis] = bad; }, "coarse vertex");
+      changed([&](Fragment& f) { f.mass.centroid[axis] = bad; }, "centroid");
+      changed([&](Fragment& f) { f.mass.inertia[axis][2] = bad; }, "inertia");
+    }
+    changed([&](Fragment& f) { f.mass.volume = bad; }, "volume");
+    changed([&](Fragment& f) { f.area = bad; }, "area");
+    changed([&](Fragment& f) { f.fractureArea = bad; }, "fracture area");
+    std::vector<std::vector<Contact>> contacts(8);
+    contacts[6].emplace_back().area = 1.0;
+    EXPECT_NO_THROW(checkFinite(contacts));
+    contacts[6][0].centroid.y = bad;
+    refuses([&] { checkFinite(contacts); }, "contact");
+    refuses([&] { (void)checkedPoints({{{0, bad, 0}}, {{0, 0, 1}}, {0}}, 7); }, "point");
+    refuses([&] { (void)checkedPoints({{{0, 0, 0}}, {{bad, 0, 1}}, {0}}, 7); }, "normal");
+    try {
+      (void)jsonText({{"a", {{"b", {1.0, bad}}}}}, -1);
+      ADD_FAILURE();
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("a.b[1] is not a finite number"), std::string::npos);
+    }
+  }
+  EXPECT_EQ(jsonText({{"a", {1.5, nullptr}}}, -1), R"({"a":[1.5,null]})");
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+// Whether numbers are finite.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+
+namespace sherd {
+
+/// Whether all coordinates are finite.  Zero times an infinite number is not a number, and a sum
+/// with one is none, so that this takes no branches.
+[[nodiscard]] inline bool areFinite(std::span<const glm::dvec3> vectors) {
+  glm::dvec3 sum(0.0);
+  for (const glm::dvec3& v : vectors) sum += 0.0 * v;
+  return sum == glm::dvec3(0.0);
+}
+
+}  // namespace sherd
