@@ -42,7 +42,7 @@ void measure(IntactSurface& surface, std::size_t leaf, const GridFrame& frame) {
 }  // namespace
 
 void checkIntact(const IntactSurface* surface, const Solid& solid) {
-  if (surface == nullptr || surface->leaves.size() == solid.blocks->count()) return;
+  if (surface == nullptr || surface->distance == solid.distance) return;
   throw Error(ErrorCode::usage, "the intact surface is of another solid");
 }
 
@@ -54,6 +54,7 @@ glm::dvec3 middleOf(const Solid& solid) {
 std::shared_ptr<const IntactSurface> intactSurface(const Solid& solid) {
   auto made = std::make_shared<IntactSurface>();
   const std::size_t count = solid.blocks->count();
+  made->distance = solid.distance;
   made->neighborhoods = leafNeighbors(solid.blocks->origins);
   made->leaves.resize(count);
   made->creases = Creases(solid, made->neighborhoods, nullptr, KeepCrossings::yes);

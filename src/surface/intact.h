@@ -61,6 +61,7 @@ struct IntactLeaf {
 /// leaf, 0.8 kB more where there are triangles, 290 bytes per cell that the surface passes through,
 /// and 56 per edge between voxels whose crossing creases are made of.
 struct IntactSurface {
+  ConstFloatGridPtr distance;                ///< the solid's, by which it is known again
   std::vector<LeafNeighbors> neighborhoods;  ///< of the solid's leaves
   glm::dvec3 reference{0.0};                 ///< middleOf the solid
   Creases creases;

@@ -110,7 +110,7 @@ struct PassedCells {
 };
 
 template <std::size_t kSide>
-[[nodiscard]] PassedCells<kSide> passedCells(const LabelCube<kSide>& labels) {
+[[nodiscard]] constexpr PassedCells<kSide> passedCells(const LabelCube<kSide>& labels) {
   // By the lowest corner of a cell: the lowest label, the lowest other than 0 minus 1, the highest.
   LabelCube<kSide> least, low, high;
   const auto gather = [&](const auto& fromLeast, const auto& fromLow, const auto& fromHigh,
@@ -124,6 +124,8 @@ template <std::size_t kSide>
   const auto label = [&](std::size_t i) { return labels[i]; };
   const auto less1 = [&](std::size_t i) { return static_cast<std::uint16_t>(labels[i] - 1); };
   gather(label, less1, label, 1);
+  least.back() = high.back() = labels.back();  // of no cell, but read below
+  low.back() = less1(labels.size() - 1);
   for (const std::size_t stride : {kSide, kSide * kSide}) {
     gather([&](std::size_t i) { return least[i]; }, [&](std::size_t i) { return low[i]; },
            [&](std::size_t i) { return high[i]; }, stride);

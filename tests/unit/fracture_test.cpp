@@ -16,6 +16,7 @@
 #include "points/check_points.h"
 #include "shapes.h"
 #include "surface/check_finite.h"
+#include "surface/leaf_labels.h"
 
 namespace sherd {
 namespace {
@@ -335,6 +336,30 @@ TEST(FiniteNumbers, AreRequiredOfFragmentsContactsPointsAndManifests) {
     }
   }
   EXPECT_EQ(jsonText({{"a", {1.5, nullptr}}}, -1), R"({"a":[1.5,null]})");
+}
+
+// The surface of one ball is not that of another on the same leaves.
+TEST_F(Fracture, RefusesTheIntactSurfaceOfAnotherSolid) {
+  const PreparedSolid one = prepared(voxelize(shapes::ball(1.0), {.resolution = 32}), device());
+  PreparedSolid other =
+      prepared(voxelize(shapes::ball(1.01), {.voxelSize = one.solid.frame.voxelSize}), device());
+  ASSERT_EQ(one.solid.blocks->count(), other.solid.blocks->count());
+  other.surface = intactSurface(one.solid);
+  EXPECT_THROW((void)fracture(other, {.pieces = 3}, device()), Error);
+  other.surface = intactSurface(other.solid);
+  EXPECT_EQ(fracture(other, {.pieces = 3}, device()).fragments.size(), 3u);
+}
+
+// A program that reads values which were never written has no constant result.
+TEST(PassedCells, ReadNothingThatIsNotThere) {
+  constexpr LabelCube<2> kCorners{1, 1, 1, 1, 1, 1, 1, 2};
+  constexpr PassedCells<2> kPassed = passedCells<2>(kCorners);
+  static_assert(kPassed.crossed[0] == 1 && kPassed.cut[0] == 1);
+  constexpr LabelCube<3> kHalf{0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3,
+                               3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3};
+  constexpr PassedCells<3> kSurface = passedCells<3>(kHalf);
+  static_assert(kSurface.crossed[0] == 3 && kSurface.cut[0] == 0 && kSurface.crossed[3] == 0);
+  EXPECT_EQ(kSurface.crossed[1], 3);
 }
 
 }  // namespace
