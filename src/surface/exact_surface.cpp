@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -25,8 +26,7 @@ namespace {
 
 constexpr const char* kRounding = "rounding makes parts of the surface cross";
 
-// How often islands are given to other fragments.
-constexpr int kMostRounds = 32;
+constexpr auto kNoIsland = std::numeric_limits<std::size_t>::max();
 
 // A face of a fragment.
 struct Face {
@@ -70,7 +70,7 @@ class Assembly {
     if (std::string failure = newCrossings(cut, inside, progress); !failure.empty()) {
       return {.failure = std::move(failure), .isDegenerate = true};
     }
-    return assembled(outside, inside);
+    return assembled(outside, inside, progress);
   }
 
   // The triangles without area that cracks meet.
@@ -228,15 +228,21 @@ class Assembly {
     return side * (normal[axis] > 0.0 ? 1 : -1) < 0;
   }
 
-  ExactSurface assembled(const Patches& outside, const Patches& inside) {
+  ExactSurface assembled(const Patches& outside, const Patches& inside, const Progress* progress) {
     crackLabels_.reserve(inside.parts().size());
     for (const Part& part : inside.parts()) {
       const ComplexFace& crack = cracks_.faces[part.source];
       crackLabels_.push_back({crack.front, crack.back});
     }
     ExactSurface result;
-    // An island may have only islands beside it, so that more than one round is needed.
-    for (int round = 0; round < kMostRounds; ++round) {
+    // An island may have only islands beside it, so that more than one round is needed.  Two that
+    // touch each other most would change places for ever: where there are no fewer of them than in
+    // the round before, only islands that do not touch are given away, each of which becomes a part
+    // of what it touches.
+    std::size_t before = std::numeric_limits<std::size_t>::max();
+    bool isOneByOne = false;
+    for (;;) {
+      throwIfCancelled(progress);
       const std::vector<std::vector<Face>> faces = facesOf(outside, inside);
       result.meshes.assign(fragments_, {});
       std::vector<std::uint8_t> isClosed(fragments_, 1);
@@ -250,9 +256,12 @@ class Assembly {
                            std::to_string(open - isClosed.begin() + 1),
                 .isDegenerate = true};
       }
-      if (!giveAwayIslands(result.meshes, faces)) break;
+      std::vector<Island> islands = islandsOf(result.meshes, faces);
+      if (islands.empty()) return result;
+      isOneByOne = isOneByOne || islands.size() >= before;
+      before = islands.size();
+      giveAway(isOneByOne ? apart(std::move(islands)) : std::move(islands));
     }
-    return result;
   }
 
   // Returns [fragments + 1] the faces of each.
@@ -275,12 +284,18 @@ class Assembly {
     return faces;
   }
 
+  // A component of a fragment's mesh that another fragment gets.
+  struct Island {
+    std::uint16_t heir = 0;
+    std::vector<Face> faces;
+  };
+
   // A fragment's voxels are connected, so that components of its mesh beside the largest hold
   // hardly a voxel: slivers where a crack grazes the surface.  They go to the fragment that they
-  // touch most.  Returns false if there are none.
-  bool giveAwayIslands(const std::vector<LabeledMesh>& meshes,
-                       const std::vector<std::vector<Face>>& faces) {
-    bool isAny = false;
+  // touch most.
+  static std::vector<Island> islandsOf(const std::vector<LabeledMesh>& meshes,
+                                       const std::vector<std::vector<Face>>& faces) {
+    std::vector<Island> islands;
     for (std::size_t i = 0; i < meshes.size(); ++i) {
       const TriangleMesh& mesh = meshes[i].mesh;
       const MeshComponents components = meshComponents(mesh);
@@ -300,27 +315,52 @@ class Assembly {
       }
       const auto largest = static_cast<std::size_t>(
           std::max_element(volumes.begin(), volumes.end()) - volumes.begin());
-      std::vector<std::uint16_t> heirs(components.count, 0);
-      for (std::size_t k = 0; k < heirs.size(); ++k) {
+      std::vector<std::size_t> islandOf(components.count, kNoIsland);
+      for (std::size_t k = 0; k < components.count; ++k) {
         // A cavity's surface has a negative volume; a body apart touches no crack.
         if (k == largest || volumes[k] <= 0.0 || contacts[k].empty()) continue;
-        heirs[k] = std::max_element(contacts[k].begin(), contacts[k].end(), [](auto& a, auto& b) {
-                     return a.second < b.second;
-                   })->first;
-        isAny = true;
+        islandOf[k] = islands.size();
+        const auto most = std::max_element(contacts[k].begin(), contacts[k].end(),
+                                           [](auto& a, auto& b) { return a.second < b.second; });
+        islands.push_back({most->first, {}});
       }
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const std::uint16_t heir = heirs[components.ofTriangle[t]];
-        if (heir == 0) continue;
-        const Face& face = faces[i + 1][t];
-        if (face.neighbor == 0) {
-          label_[face.part] = heir;
-          continue;
-        }
-        crackLabels_[face.part][face.side] = heir;
+        const std::size_t island = islandOf[components.ofTriangle[t]];
+        if (island != kNoIsland) islands[island].faces.push_back(faces[i + 1][t]);
       }
     }
-    return isAny;
+    return islands;
+  }
+
+  // Returns those that touch none of the others that are returned.
+  std::vector<Island> apart(std::vector<Island> islands) const {
+    std::vector<Island> found;
+    std::vector<std::array<bool, 2>> isTaken(crackLabels_.size(), {false, false});
+    for (Island& island : islands) {
+      const auto ofCracks = [&](const auto& visit) {
+        for (const Face& face : island.faces) {
+          if (face.neighbor != 0) visit(isTaken[face.part], face.side);
+        }
+      };
+      bool touches = false;
+      ofCracks([&](const auto& taken, std::uint8_t side) { touches |= taken[1u - side]; });
+      if (touches) continue;
+      ofCracks([](auto& taken, std::uint8_t side) { taken[side] = true; });
+      found.push_back(std::move(island));
+    }
+    return found;
+  }
+
+  void giveAway(const std::vector<Island>& islands) {
+    for (const Island& island : islands) {
+      for (const Face& face : island.faces) {
+        if (face.neighbor == 0) {
+          label_[face.part] = island.heir;
+        } else {
+          crackLabels_[face.part][face.side] = island.heir;
+        }
+      }
+    }
   }
 
   LabeledMesh meshOf(const std::vector<Face>& faces) const {

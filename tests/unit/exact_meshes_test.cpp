@@ -7,9 +7,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
 #include <string>
@@ -22,6 +24,7 @@
 #include "mesh/repair.h"
 #include "shapes.h"
 #include "surface/bodies.h"
+#include "surface/exact_surface.h"
 
 namespace sherd {
 namespace {
@@ -312,6 +315,47 @@ TEST(Exact, ManyBodiesThatOverlapAreCut) {
   ExactFaults faults = exactFaults(mesh, result.fragments);
   faults.selfCrossings = 0;  // the input's bodies cross
   EXPECT_FALSE(faults.any()) << faults.text();
+}
+
+// Slabs of a cube, two of which are islands that touch each other as much as their other neighbors:
+// each would go to the other's fragment for ever.
+TEST(Exact, IslandsThatTouchEachOtherGoToTheirNeighbors) {
+  constexpr std::array<std::uint16_t, 7> kLabels{3, 1, 2, 4, 1, 5, 2};
+  constexpr std::array<double, 8> kEnds{0.0, 0.2, 0.25, 0.3, 0.5, 0.7, 0.8, 1.0};
+  const TriangleMesh cube = shapes::cube(1.0, glm::dvec3(0.5));
+  const auto labelAt = [&](const glm::dvec3& p) {
+    std::size_t slab = 0;
+    while (slab + 1 < kLabels.size() && p.x > kEnds[slab + 1]) ++slab;
+    return kLabels[slab];
+  };
+  Complex cracks;
+  for (std::size_t i = 0; i + 1 < kLabels.size(); ++i) {
+    const auto first = static_cast<std::uint32_t>(cracks.vertices.size());
+    const double x = kEnds[i + 1];
+    for (const auto& [y, z] : {std::pair(-0.2, -0.3), {1.3, -0.2}, {1.2, 1.3}, {-0.3, 1.2}})
+      cracks.vertices.emplace_back(x, y, z);
+    for (const glm::uvec3& t : {glm::uvec3(0, 1, 2), {0, 2, 3}}) {
+      ComplexFace face;
+      face.corner = t + first;
+      face.front = kLabels[i];
+      face.back = face.neighbor = kLabels[i + 1];
+      cracks.faces.push_back(face);
+    }
+  }
+  const SpaceLabels space{labelAt, labelAt, [](const glm::dvec3& p) {
+                            return p == glm::clamp(p, glm::dvec3(0.0), glm::dvec3(1.0));
+                          }};
+  const ExactSurface surface = exactSurface(cube, cracks, 5, space);
+  ASSERT_EQ(surface.failure, "");
+  double sum = 0.0;
+  for (const LabeledMesh& mesh : surface.meshes) {
+    EXPECT_EQ(meshComponents(mesh.mesh).count, 1u);
+    EXPECT_EQ(openEdges(mesh.mesh), 0u);
+    sum += volume(mesh.mesh);
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_NEAR(volume(surface.meshes[0].mesh), 0.2, 1e-12);
+  EXPECT_NEAR(volume(surface.meshes[1].mesh), 0.2, 1e-12);
 }
 
 TEST(Exact, RealMeshesKeepTheirSurface) {
