@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "base/formatted.h"
+#include "base/json_text.h"
 #include "base/option_names.h"
 #include "base/printable.h"
 #include "base/text_scan.h"
+#include "voxelize/fill.h"
 
 namespace sherd {
 namespace {
@@ -91,18 +93,14 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
                         {"automatic", report.resolution.automatic},
                         {"for_walls", report.walls.forWalls},
                         {"for_volume", report.walls.forVolume}};
-  json["walls"] = {{"thin_share", report.walls.thinShare},
-                   {"thinnest_voxels", std::isfinite(report.walls.thinnest)
-                                           ? nlohmann::ordered_json(report.walls.thinnest)
-                                           : nlohmann::ordered_json()},
-                   {"resolution_to_hold", report.walls.resolution > 0
-                                              ? nlohmann::ordered_json(report.walls.resolution)
-                                              : nlohmann::ordered_json()}};
+  nlohmann::ordered_json& walls = json["walls"] = {{"thin_share", report.walls.thinShare}};
+  if (std::isfinite(report.walls.thinnest)) walls["thinnest_voxels"] = report.walls.thinnest;
+  if (report.walls.resolution > 0) walls["resolution_to_hold"] = report.walls.resolution;
   return json;
 }
 
 std::string meshReportJson(const SourceMesh& source, const FractureResult& result) {
-  return reportJson(source, result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return jsonText(reportJson(source, result), -1);
 }
 
 std::string meshReport(const SourceMesh& source, const FractureResult& result) {
@@ -154,6 +152,10 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
     warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
                        ", the mesh's own " + text(report.meshVolume) +
                        "; overlaps count once, and walls thinner than a voxel are lost");
+  }
+  if (report.fillReason.ends_with(kTakesTooLong)) {
+    warnings.push_back(titleOf(source) + ": the mesh is a shell, since " + report.fillReason +
+                       "; the fill winding closes it in any case");
   }
   if (isShort(report)) {
     warnings.push_back(titleOf(source) + ": the mesh needs a resolution of " +

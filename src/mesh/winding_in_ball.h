@@ -19,6 +19,11 @@ class TriangleTree::WindingInBall {
   /// Returns the winding number at a point of the ball.
   [[nodiscard]] double at(const glm::dvec3& point) const;
 
+  /// Returns how many terms at() sums, dipoles at some points only as one.
+  [[nodiscard]] std::size_t terms() const {
+    return triangles_.size() + dipoles_.size() + mixed_.size() + 1;
+  }
+
   /// A bound of the difference to TriangleTree::winding() at any point of the ball.
   [[nodiscard]] double error() const { return error_; }
 

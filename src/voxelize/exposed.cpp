@@ -90,11 +90,16 @@ class ExposedParts {
     area_ = glm::length(cross);
     normal_ = cross / area_;
   }
+  ExposedParts(const ExposedParts&) = delete;
+  ExposedParts& operator=(const ExposedParts&) = delete;
+  ~ExposedParts() { winding_.work().add(steps_); }
 
   // Returns whether all or none of the triangle is kept, or `mixed` after adding the kept parts to
   // `kept`.
+  //   throws  TooMuchWork
   Verdict keep(std::vector<Corners>& kept) const {
     if (area_ == 0.0) return Verdict::no;
+    count(0);
     const std::array<glm::dvec3, 4> samples = samplesOf(triangle_);
     if (winding_.isPlain(boxOf(triangle_), samples, longestEdge(triangle_))) return Verdict::yes;
     // For a single sample the tree finds the crossings faster than a list of nearby triangles.
@@ -117,6 +122,7 @@ class ExposedParts {
 
   Verdict keep(const Corners& t, const std::vector<std::uint32_t>& around, double smallest,
                std::vector<Corners>& kept) const {
+    count(around.size());
     const Verdict verdict = classify(t, around, smallest, around);
     if (verdict != Verdict::mixed) return verdict;
     // Halve the longest edge, so that a needle becomes short parts and not thinner needles.
@@ -199,9 +205,19 @@ class ExposedParts {
     return {center, near(t[0]), near(t[1]), near(t[2])};
   }
 
+  // Counts the work of a part with triangles around it, in batches.
+  void count(std::size_t triangles) const {
+    constexpr std::uint64_t kStepsPerPart = 60, kBatch = 1024;
+    steps_ += 2 * triangles + kStepsPerPart;
+    if (steps_ < kBatch) return;
+    winding_.work().add(std::exchange(steps_, 0));
+    winding_.work().check();
+  }
+
   const GeneralizedWinding& winding_;
   Corners triangle_;
-  double area_ = 0.0;  // twice
+  mutable std::uint64_t steps_ = 0;  // not yet added
+  double area_ = 0.0;                // twice
   glm::dvec3 normal_{0.0};
 };
 
@@ -229,6 +245,7 @@ TriangleMesh exposedSurface(const TriangleMesh& mesh, const GeneralizedWinding& 
     }
   });
   stop.throwIfSet();
+  winding.work().check();
   TriangleMesh out{mesh.vertices, {}};
   for (const Kept& chunk : kept) {
     out.triangles.insert(out.triangles.end(), chunk.whole.begin(), chunk.whole.end());

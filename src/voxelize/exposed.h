@@ -13,7 +13,7 @@ namespace sherd {
 /// within the solid are subdivided down to a quarter of a voxel.
 ///   mesh     in index space
 ///   winding  of the mesh, not simple
-///   throws   Error(cancelled)
+///   throws   Error(cancelled); TooMuchWork, by the winding's limit
 [[nodiscard]] TriangleMesh exposedSurface(const TriangleMesh& mesh,
                                           const GeneralizedWinding& winding,
                                           const Progress* progress);

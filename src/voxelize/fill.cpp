@@ -26,6 +26,14 @@ constexpr double kEncloses = 0.84;
 
 constexpr double kBeside = 1e-3;  // voxels
 
+// A mesh with as many open edges per triangle is a set of loose triangles or quads: each has three
+// or two.  Open boxes have 0.4, blades of grass that are strips of triangles 1.
+constexpr double kLooseEdges = 1.5;
+
+// Steps of WorkLimit up to a resolution, some tens of seconds on one core; the area of a surface,
+// in voxels, grows by the square of the resolution.
+constexpr double kMostWork = 3e9, kMostWorkSide = 512.0;
+
 std::string percent(double share) {
   char text[32];
   std::snprintf(text, sizeof text, "%.0f %%", 100.0 * share);
@@ -68,11 +76,17 @@ std::function<bool(const glm::dvec3&)> wound(const SearchedMesh& mesh) {
   };
 }
 
-Filling windingOf(const SearchedMesh& mesh, std::string reason, const Progress* progress) {
-  const auto winding =
-      std::make_shared<GeneralizedWinding>(mesh.mesh, mesh.caps, mesh.tree, progress);
+std::uint64_t mostWork(const TriangleMesh& mesh) {
+  const double larger = std::max(longestSide(bounds(mesh)) / kMostWorkSide, 1.0);
+  return static_cast<std::uint64_t>(kMostWork * larger * larger);
+}
+
+Filling windingOf(const SearchedMesh& mesh, const FillChoice& choice, const Progress* progress) {
+  const auto winding = std::make_shared<GeneralizedWinding>(
+      mesh.mesh, mesh.caps, mesh.tree, progress,
+      choice.isLimited ? mostWork(mesh.mesh) : WorkLimit::kNone);
   Filling out{.fill = Fill::winding,
-              .reason = std::move(reason),
+              .reason = choice.reason,
               .surface = mesh.tree,
               .isInside = [winding](const openvdb::Coord& c) { return winding->isInside(c); },
               .contains = wound(mesh)};
@@ -99,7 +113,8 @@ double enclosure(const SearchedMesh& mesh) {
   constexpr std::size_t kSamples = 1000;
   double sum = 0.0;
   const std::vector<SurfaceSample> samples = surfaceSamples(mesh.mesh, kSamples, false);
-  for (const SurfaceSample& s : samples) sum += mesh.tree->winding(s.point - kBeside * s.normal);
+  for (const SurfaceSample& s : samples)
+    sum += std::clamp(mesh.tree->winding(s.point - kBeside * s.normal), 0.0, 1.0);
   return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
 }
 
@@ -108,6 +123,12 @@ FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options) {
   if (options.shellThickness > 0.0) return {Fill::shell, "a shell thickness is given"};
   if (mesh.caps.triangles.empty() && !mesh.mesh.triangles.empty()) {
     return {Fill::winding, "the mesh is closed"};
+  }
+  // Each open edge is one of a cap, and each vertex of a cap the first of one.
+  const std::size_t triangles = mesh.mesh.triangles.size(), open = mesh.caps.vertices.size();
+  if (static_cast<double>(open) >= kLooseEdges * static_cast<double>(triangles)) {
+    return {Fill::shell, "the mesh is open and encloses no volume: its triangles are loose, with " +
+                             std::to_string(open) + " open edges of " + std::to_string(triangles)};
   }
   const EdgeDefects edges = edgeDefects(mesh.mesh);
   const std::string found =
@@ -119,7 +140,8 @@ FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options) {
   }
   return {Fill::winding,
           found + (edges.boundary > 0 ? "; its holes are closed where" : "; it is filled where") +
-              " the winding number is 0.5"};
+              " the winding number is 0.5",
+          true};
 }
 
 double shellVoxels(const SolidOptions& options, double voxelSize) {
@@ -156,7 +178,7 @@ Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const Tria
     case Fill::automatic:  // not a choice
       break;
   }
-  return windingOf(mesh, choice.reason, progress);
+  return windingOf(mesh, choice, progress);
 }
 
 }  // namespace sherd

@@ -17,6 +17,9 @@ namespace sherd {
 /// surface, and of a shell whose thickness is in voxels, lie in it.
 inline constexpr double kSurfaceLayer = 1.0 / 256;
 
+/// The end of the reason for a shell in place of an open mesh that is closed by winding numbers.
+inline constexpr const char* kTakesTooLong = " by winding numbers would take too long";
+
 /// A mesh with the data that several steps share.
 struct SearchedMesh {
   TriangleMesh mesh;
@@ -45,6 +48,7 @@ struct Filling {
 struct FillChoice {
   Fill fill = Fill::winding;  ///< not automatic
   std::string reason;         ///< why this fill, as half a sentence
+  bool isLimited = false;     ///< given up where it takes too long
 };
 
 /// Returns the fill that `options` selects; the one that suits the mesh for Fill::automatic.
@@ -57,13 +61,14 @@ struct FillChoice {
 /// Returns the filling of a choice.
 ///   mesh      the result of repaired(), in index space
 ///   original  the mesh before repair, used for a shell, which keeps duplicate triangles
-///   throws    Error(cancelled)
+///   throws    Error(cancelled); TooMuchWork, if the choice is limited
 [[nodiscard]] Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh,
                                 const TriangleMesh& original, const SolidOptions& options,
                                 double voxelSize, const Progress* progress = nullptr);
 
 /// Returns how completely a mesh encloses a volume: the mean over its area of the winding number
-/// just behind the surface.  1 for closed meshes, 0.8 for half a ball, 0.5 for a flat sheet.
+/// just behind the surface, which counts as 1 where it is above, and as 0 below.  1 for closed
+/// meshes, 0.8 for half a ball, 0.5 for a flat sheet, and for sheets all over each other.
 [[nodiscard]] double enclosure(const SearchedMesh& mesh);
 
 }  // namespace sherd

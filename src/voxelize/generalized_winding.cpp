@@ -80,14 +80,15 @@ TriangleMesh boundariesOf(const TriangleMesh& caps) {
 
 GeneralizedWinding::GeneralizedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
                                        std::shared_ptr<const TriangleTree> tree,
-                                       const Progress* progress)
+                                       const Progress* progress, std::uint64_t most)
     : caps_(onLattice(caps, bounds(mesh))),
       capTree_(withArea(caps_)),
       boundaryTree_(boundariesOf(withArea(caps_))),
       columns_(caps_.triangles.empty()
                    ? Winding(mesh, Winding::Rule::signedCrossings, progress)
                    : Winding(joined(mesh, caps_), Winding::Rule::signedCrossings, progress)),
-      tree_(std::move(tree)) {
+      tree_(std::move(tree)),
+      work_(caps_.triangles.empty() ? WorkLimit::kNone : most) {
   if (!isSimple()) markOdd(progress);
 }
 
@@ -155,7 +156,8 @@ double GeneralizedWinding::capsNear(const openvdb::Coord& voxel) const {
   const TriangleTree::WindingInBall& around = cube->second->around;
   winding = around.at(centerOf(voxel) + kTie);
   if (!areTogether(winding - around.error(), winding + around.error())) winding = capsAt(voxel);
-  number.store(winding, std::memory_order_relaxed);
+  // Threads may compute one number at the same time: it counts once.
+  if (std::isnan(number.exchange(winding, std::memory_order_relaxed))) work_.add(around.terms());
   return winding;
 }
 

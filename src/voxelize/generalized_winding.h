@@ -12,6 +12,7 @@
 
 #include "mesh/winding_in_ball.h"
 #include "voxelize/winding.h"
+#include "voxelize/work_limit.h"
 
 namespace sherd {
 
@@ -26,9 +27,11 @@ class GeneralizedWinding {
   ///   mesh  in index space
   ///   caps  loopCaps(mesh)
   ///   tree  of the mesh
+  ///   most  steps of work() for an open mesh
   ///   throws  Error(cancelled)
   GeneralizedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
-                     std::shared_ptr<const TriangleTree> tree, const Progress* progress = nullptr);
+                     std::shared_ptr<const TriangleTree> tree, const Progress* progress = nullptr,
+                     std::uint64_t most = WorkLimit::kNone);
   ~GeneralizedWinding();
 
   [[nodiscard]] double at(const openvdb::Coord& voxel) const;
@@ -67,6 +70,10 @@ class GeneralizedWinding {
 
   [[nodiscard]] const TriangleTree& tree() const { return *tree_; }
 
+  /// The work of classifying points, in steps of about 10 ns: what is computed here is added,
+  /// callers add theirs and check it.
+  [[nodiscard]] WorkLimit& work() const { return work_; }
+
   /// Empty for a closed mesh.
   [[nodiscard]] const TriangleMesh& caps() const { return caps_; }
 
@@ -104,6 +111,7 @@ class GeneralizedWinding {
   Winding columns_;
   std::shared_ptr<const TriangleTree> tree_;
   mutable tbb::concurrent_unordered_map<openvdb::Coord, std::unique_ptr<CapsInCube>, HashOf> cubes_;
+  mutable WorkLimit work_;
   std::vector<bool> odd_;  // cubes of kOddSide voxels that hold a winding number below 0 or above 1
 };
 

@@ -19,6 +19,9 @@ namespace {
 
 using openvdb::Coord;
 
+// For WorkLimit: two look-ups of voxels; and two winding numbers of all caps, and four cells.
+constexpr std::uint64_t kStepsPerVisit = 50, kStepsPerCrossing = 1000;
+
 // The surface is searched for within this many voxels of the boundary.
 constexpr int kStartVoxels = 2;
 
@@ -59,7 +62,10 @@ class HoleNet {
   void follow(const Progress* progress) {
     constexpr std::size_t kStepsPerCancelCheck = 256;
     for (std::size_t i = 0; i < crossed_.size(); ++i) {
-      if (i % kStepsPerCancelCheck == 0) throwIfCancelled(progress);
+      if (i % kStepsPerCancelCheck == 0) {
+        throwIfCancelled(progress);
+        winding_.work().check();
+      }
       const Step step = crossed_[i];
       forEachCell(step, [&](const Coord& cell) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -134,7 +140,9 @@ class HoleNet {
     const Coord next = shifted(step.from, step.axis, 1);
     Voxel &from = voxel(step.from), &to = voxel(next);  // references stay valid
     if (from.distance + to.distance <= 1.0) return;
+    winding_.work().add(kStepsPerVisit);
     if (isInside(from, step.from) == isInside(to, next)) return;
+    winding_.work().add(kStepsPerCrossing);
     const double a = winding_.at(step.from), b = winding_.at(next);
     glm::dvec3 crossing(step.from.x(), step.from.y(), step.from.z());
     crossing[step.axis] += (0.5 - a) / (b - a);
@@ -162,6 +170,7 @@ TriangleMesh holeSurface(const GeneralizedWinding& winding, const TriangleTree& 
   const TriangleMesh& caps = winding.caps();
   for (const glm::uvec3& t : caps.triangles) {
     throwIfCancelled(progress);
+    winding.work().check();
     for (int k = 0; k < 2; ++k) {
       if (t[k + 1] != t[k] + 1) continue;  // an inner edge of the cap
       const glm::dvec3 a = caps.vertices[t[k]], b = caps.vertices[t[k + 1]];
@@ -170,6 +179,7 @@ TriangleMesh holeSurface(const GeneralizedWinding& winding, const TriangleTree& 
     }
   }
   net.follow(progress);
+  winding.work().check();
   return net.mesh();
 }
 

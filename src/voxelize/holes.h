@@ -14,7 +14,7 @@ namespace sherd {
 ///   winding  of the mesh
 ///   tree     of the mesh, in index space
 ///   return   in index space; ends within a voxel of the mesh's triangles
-///   throws   Error(cancelled)
+///   throws   Error(cancelled); TooMuchWork, by the winding's limit
 /// source  Gibson, Constrained Elastic Surface Nets, 1998
 [[nodiscard]] TriangleMesh holeSurface(const GeneralizedWinding& winding, const TriangleTree& tree,
                                        const Progress* progress = nullptr);

@@ -18,6 +18,7 @@
 #include "voxelize/fill.h"
 #include "voxelize/region.h"
 #include "voxelize/walls.h"
+#include "voxelize/work_limit.h"
 
 namespace sherd {
 namespace {
@@ -117,6 +118,23 @@ void fill(Solid& solid, const Filling& filling, const Box& box, const SolidOptio
   measureVoxels(solid);
 }
 
+// Returns the solid of a mesh in a grid, with its report, which may have no voxels.
+//   throws  TooMuchWork, if the choice is limited
+Solid filled(const MeshInGrid& in, const FillChoice& choice, const Box& box,
+             const SolidOptions& options, const Progress* progress) {
+  Solid solid;
+  solid.frame = in.frame;
+  solid.report = in.report;
+  fill(solid, fillingOf(choice, in.clean, in.mesh, options, in.frame.voxelSize, progress), box,
+       options, progress);
+  return solid;
+}
+
+FillChoice shellInstead(const MeshDefects& defects) {
+  return {Fill::shell,
+          "to close " + std::to_string(defects.boundaryEdges) + " open edges" + kTakesTooLong};
+}
+
 }  // namespace
 
 int automaticResolution(const TriangleMesh& mesh, const SolidOptions& options) {
@@ -175,15 +193,17 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
       reportProgress(progress, "voxelize", 0.2);
     }
   }
+  const Box box = bounds(source);
   Solid solid;
-  solid.frame = in.frame;
-  solid.report = in.report;
+  try {
+    solid = filled(in, choice, box, options, progress);
+  } catch (const TooMuchWork&) {
+    if (isAutomatic(options)) in = inGrid(source, voxelSizeFor(source, first), progress);
+    solid = filled(in, shellInstead(in.report.defects), box, options, progress);
+  }
   SolidReport& report = solid.report;
   const double voxelSize = solid.frame.voxelSize;
   report.resolution = {resolutionFor(source, voxelSize), isAutomatic(options)};
-  const Box box = bounds(source);
-  fill(solid, fillingOf(choice, in.clean, in.mesh, options, voxelSize, progress), box, options,
-       progress);
   if (solid.voxels == 0 && options.keepMesh && choice.fill == Fill::winding &&
       report.defects.closed()) {
     // The voxels only decide where cracks run.

@@ -7,6 +7,7 @@
 #include <sherd/files.h>
 #include <sherd/fragments.h>
 #include <sherd/solid.h>
+#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +16,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -22,13 +24,17 @@
 #include <utility>
 #include <vector>
 
+#include "base/random.h"
 #include "mesh/repair.h"
 #include "mesh/triangle_tree.h"
 #include "mesh/winding_number.h"
+#include "seed/samplers.h"
 #include "shapes.h"
 #include "voxelize/band.h"
 #include "voxelize/caps.h"
 #include "voxelize/distance.h"
+#include "voxelize/exposed.h"
+#include "voxelize/holes.h"
 
 namespace sherd {
 namespace {
@@ -649,6 +655,69 @@ TEST(Caps, CloseWhatIsOpenAndNothingElse) {
   const glm::dvec3 inside(0.1, 0.2, 0.0), outside(2.0, 0.3, 0.1);
   EXPECT_NEAR(windingNumber(open, inside) + windingNumber(caps, inside), 1.0, 1e-9);
   EXPECT_NEAR(windingNumber(open, outside) + windingNumber(caps, outside), 0.0, 1e-9);
+}
+
+TriangleMesh looseTriangles(std::uint64_t seed, std::size_t count, double size) {
+  TriangleMesh mesh;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    const glm::dvec3 middle = randomPoint(seed, Stage::pointPosition, 4 * i);
+    for (std::uint64_t k = 1; k < 4; ++k) {
+      mesh.vertices.push_back(middle +
+                              size * (randomPoint(seed, Stage::pointPosition, 4 * i + k) - 0.5));
+    }
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return mesh;
+}
+
+// Behind triangles as large as their box winding numbers are far above 1 and below 0, and their
+// mean is anything.
+TEST(Fill, LooseTrianglesAreShells) {
+  for (std::uint64_t seed = 1; seed < 40; ++seed) {
+    for (const double size : {0.2, 1.0, 2.0}) {
+      const SearchedMesh soup = searched(looseTriangles(seed, 60, size));
+      EXPECT_EQ(chosenFill(soup, {}).fill, Fill::shell) << seed << ' ' << size;
+    }
+  }
+}
+
+TEST(Fill, EnclosureIsNoMoreThanThatOfAClosedMesh) {
+  for (std::uint64_t seed = 1; seed < 10; ++seed) {
+    EXPECT_LT(enclosure(searched(looseTriangles(seed, 60, 2.0))), 0.75) << seed;
+  }
+  EXPECT_GT(enclosure(searched(shapes::ball(1.0))), 0.97);
+}
+
+// A limit of work is one of the mesh and the resolution, whatever threads do it.
+TEST(Fill, WorkIsCountedAlikeByAnyNumberOfThreads) {
+  TriangleMesh boxes;
+  for (std::uint64_t i = 0; i < 6; ++i) {
+    TriangleMesh box = shapes::cube(5.0, 5.0 * randomPoint(3, Stage::pointPosition, i));
+    box.triangles.resize(10);
+    boxes = shapes::append(boxes, box);
+  }
+  const SearchedMesh mesh = searched(boxes);
+  ASSERT_FALSE(mesh.caps.triangles.empty());
+  // The steps of all work; nothing beyond `most`.
+  const auto stepsOf = [&](std::uint64_t most, int threads) -> std::optional<std::uint64_t> {
+    const GeneralizedWinding winding(mesh.mesh, mesh.caps, mesh.tree, nullptr, most);
+    try {
+      tbb::task_arena(threads).execute([&] {
+        (void)exposedSurface(mesh.mesh, winding, nullptr);
+        (void)holeSurface(winding, *mesh.tree, nullptr);
+      });
+    } catch (const TooMuchWork&) {
+      return std::nullopt;
+    }
+    return winding.work().done();
+  };
+  const std::optional<std::uint64_t> all = stepsOf(std::uint64_t{1} << 40, 1);
+  ASSERT_GT(all.value_or(0), 10000u);
+  EXPECT_EQ(stepsOf(*all, 2), all);
+  EXPECT_EQ(stepsOf(*all, 4), all);
+  EXPECT_EQ(stepsOf(*all - 1, 1), std::nullopt);
+  EXPECT_EQ(stepsOf(*all - 1, 4), std::nullopt);
 }
 
 }  // namespace
