@@ -3,12 +3,14 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 
+#include <optional>
 #include <set>
 
 #include "base/random.h"
 #include "grow/small_components.h"
 #include "pipeline/fracture_stages.h"
 #include "pipeline/guide_surfaces.h"
+#include "pipeline/refracture_islands.h"
 #include "pipeline/refracture_meshes.h"
 #include "voxelize/distance.h"
 #include "voxelize/wall_middles.h"
@@ -16,16 +18,10 @@
 namespace sherd {
 namespace {
 
-// Returns the voxels of one fragment as a solid over the same leaves.
+// Returns a fragment as a solid over the same leaves.
 //   hasBand  with an exterior band, which exact surfaces need
-Solid fragmentSolid(const FinishedFracture& finished, int id, bool hasBand) {
-  LeafBlocks blocks = *finished.solid.blocks;
-  for (std::size_t voxelIndex = 0; voxelIndex < finished.labels.fragment.size(); ++voxelIndex) {
-    if (finished.labels.fragment[voxelIndex] != id) {
-      blocks.inside[voxelIndex >> 6] &= ~(std::uint64_t{1} << (voxelIndex & 63));
-    }
-  }
-  blocks.exteriorBand.assign(blocks.exteriorBand.size(), 0);
+Solid solidOf(const FinishedFracture& finished, int id, bool hasBand) {
+  LeafBlocks blocks = blocksOf(finished, id);
   if (hasBand) setExteriorBand(blocks);
   Solid fragment = finished.solid;
   fragment.region = nullptr;  // it holds for the whole
@@ -79,11 +75,13 @@ std::set<int> existingIds(std::span<const int> given, int fragments) {
 
 }  // namespace
 
-GrownFracture regrown(const FinishedFracture& finished, std::span<const int> only,
+GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
                       const FractureOptions& options, Device& device, const Progress* progress) {
   checkOptions(options);
-  const int fragments = finished.labels.fragmentCount;
+  const int fragments = read.labels.fragmentCount;
   const std::set<int> broken = existingIds(only, fragments);
+  const std::optional<FinishedFracture> connected = withoutIslands(read, broken, device);
+  const FinishedFracture& finished = connected ? *connected : read;
   StageClock clock;
   GrownFracture all;
   all.seed = options.seed;
@@ -106,7 +104,7 @@ GrownFracture regrown(const FinishedFracture& finished, std::span<const int> onl
   GuidedSplits guided;
   SolidWalls walls(finished.solid);
   for (const int id : broken) {
-    Solid fragment = fragmentSolid(finished, id, isExact);
+    Solid fragment = solidOf(finished, id, isExact);
     SeededLabels grown = breakFragment(fragment, id, options, walls, device, progress);
     guided.add(grown);
     const std::size_t first = result.parents.size();

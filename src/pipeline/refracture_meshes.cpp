@@ -5,10 +5,12 @@
 #include <openvdb/tools/Morphology.h>
 
 #include <algorithm>
+#include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -44,24 +46,91 @@ SolidMesh meshOf(const FinishedFracture& finished, int id) {
   return out;
 }
 
+// A triangle by its positions, the lowest first.
+using Key = std::array<std::uint32_t, 3>;
+
+Key keyOf(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  if (b < a && b < c) return {b, c, a};
+  if (c < a && c < b) return {c, a, b};
+  return {a, b, c};
+}
+
+// Returns [faces] whether another fragment has the same face, seen from the other side.
+std::vector<bool> areShared(const TriangleMesh& faces) {
+  const std::vector<std::uint32_t> at = firstAtPosition(faces.vertices);
+  std::vector<Key> all;
+  for (const glm::uvec3& t : faces.triangles) all.push_back(keyOf(at[t.x], at[t.y], at[t.z]));
+  std::sort(all.begin(), all.end());
+  std::vector<bool> areShared;
+  for (const glm::uvec3& t : faces.triangles) {
+    const Key other = keyOf(at[t.x], at[t.z], at[t.y]);
+    areShared.push_back(std::binary_search(all.begin(), all.end(), other));
+  }
+  return areShared;
+}
+
+// Returns the pairs of labels, the lower one first, whose inside voxels share a face.
+std::set<std::pair<std::uint16_t, std::uint16_t>> touchingPairs(const Labels& labels) {
+  const LeafBlocks& blocks = *labels.blocks;
+  std::set<std::pair<std::uint16_t, std::uint16_t>> pairs;
+  blocks.forEachInside([&](std::size_t voxel) {
+    const std::uint16_t own = labels.fragment[voxel];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t stride = std::size_t{64} >> (3 * axis), at = voxel / stride % 8;
+      std::size_t next = voxel + stride;
+      if (at == 7) {
+        const std::uint32_t leaf = blocks.neighbors[voxel / 512 * 6 + 2 * axis + 1];
+        if (leaf == LeafBlocks::kNone) continue;
+        next = std::size_t{leaf} * 512 + voxel % 512 - 7 * stride;
+      }
+      const std::uint16_t other = labels.fragment[next];
+      if (other != own && blocks.isInside(next)) pairs.insert(std::minmax(own, other));
+    }
+  });
+  return pairs;
+}
+
 // Finds the new neighbors of faces.
 class Neighbors {
  public:
-  Neighbors(std::span<const BrokenFragment> broken, std::span<const std::uint16_t> newId,
-            const GridFrame& frame, const Labels& labels)
-      : newId_(newId), frame_(frame), labels_(*labels.blocks, labels), ends_(newId.size(), {0, 0}) {
+  Neighbors(const FinishedFracture& finished, std::span<const BrokenFragment> broken,
+            std::span<const std::uint16_t> newId, const Labels& labels)
+      : faces_(finished.faces),
+        areShared_(areShared(finished.faces)),
+        newId_(newId),
+        frame_(finished.solid.frame),
+        labels_(*labels.blocks, labels),
+        touching_(touchingPairs(labels)),
+        ends_(newId.size(), {0, 0}) {
     for (const BrokenFragment& one : broken) {
       ends_[static_cast<std::size_t>(one.id)] = {
           one.first, one.first + static_cast<std::size_t>(one.labels.fragmentCount)};
     }
   }
 
-  // Returns the new neighbor of a face with an old one: of the parts of a broken fragment the
-  // nearest.  Withheld fragments are no longer there.
-  std::uint16_t of(std::uint16_t old, const glm::dvec3& centroid) {
+  // Returns the new neighbor of a face, or of a part of one: of the parts of a broken fragment the
+  // nearest.  Withheld fragments are no longer there, and what an erosion has taken from between
+  // two fragments is outside of the solid: such faces have no neighbor any more.
+  //   own   the new fragment
+  //   face  in FinishedFracture::faces
+  std::uint16_t of(std::size_t own, std::size_t face, const glm::dvec3& centroid) {
+    const std::uint16_t old = faces_.neighbor[face];
     if (old >= newId_.size() || old == 0) return 0;
-    if (newId_[old] != 0) return newId_[old];
-    const auto [first, end] = ends_[old];
+    const bool isKept = newId_[old] != 0;
+    const std::size_t first = isKept ? newId_[old] - std::size_t{1} : ends_[old].first;
+    const std::size_t end = isKept ? newId_[old] : ends_[old].second;
+    const std::uint16_t found = isKept ? newId_[old] : nearestOf(first, end, centroid);
+    const auto id = static_cast<std::uint16_t>(own);
+    return areShared_[face] || touching_.contains(std::minmax(id, found)) ? found
+                                                                          : std::uint16_t{0};
+  }
+
+ private:
+  static constexpr int kSide = 2 * kReach + 1;
+
+  // Returns which label above `first`, to `end`, has the nearest voxel within kReach; without one
+  // the first.
+  std::uint16_t nearestOf(std::size_t first, std::size_t end, const glm::dvec3& centroid) {
     const glm::dvec3 at = frame_.indexFromWorld(centroid);
     const glm::dvec3 middle = glm::round(at);
     double least = std::numeric_limits<double>::infinity();
@@ -80,12 +149,12 @@ class Neighbors {
     return nearest;
   }
 
- private:
-  static constexpr int kSide = 2 * kReach + 1;
-
+  const TriangleMesh& faces_;
+  const std::vector<bool> areShared_;
   const std::span<const std::uint16_t> newId_;
   const GridFrame frame_;
   LabelReader labels_;
+  const std::set<std::pair<std::uint16_t, std::uint16_t>> touching_;
   std::vector<std::pair<std::size_t, std::size_t>> ends_;  // [old] its parts: above first, to end
 };
 
@@ -107,27 +176,26 @@ ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& br
 }
 
 // A fragment that stays.
-LabeledMesh keptMesh(const FinishedFracture& finished, int id, Neighbors& neighbors) {
+LabeledMesh keptMesh(const FinishedFracture& finished, int id, std::size_t newId,
+                     Neighbors& neighbors) {
   SolidMesh own = meshOf(finished, id);
   LabeledMesh out{.mesh = std::move(own.mesh)};
   for (std::size_t t = 0; t < own.source.size(); ++t) {
-    out.other.push_back(
-        neighbors.of(finished.faces.neighbor[own.source[t]], centroidOf(out.mesh, t)));
+    out.other.push_back(neighbors.of(newId, own.source[t], centroidOf(out.mesh, t)));
     out.mesh.source.push_back(out.other.back() == 0 ? own.source[t] : TriangleMesh::kNoSource);
   }
   return out;
 }
 
 // Gives the parts of faces that were cracks before their new neighbors.
-void setNeighbors(const FinishedFracture& finished, std::size_t first, Neighbors& neighbors,
-                  LabeledMesh& part) {
+void setNeighbors(std::size_t first, std::size_t own, Neighbors& neighbors, LabeledMesh& part) {
   for (std::size_t t = 0; t < part.other.size(); ++t) {
     std::uint32_t& source = part.mesh.source[t];
     if (source == TriangleMesh::kNoSource) {  // a new crack
       part.other[t] = static_cast<std::uint16_t>(part.other[t] + first);
       continue;
     }
-    part.other[t] = neighbors.of(finished.faces.neighbor[source], centroidOf(part.mesh, t));
+    part.other[t] = neighbors.of(own, source, centroidOf(part.mesh, t));
     if (part.other[t] != 0) source = TriangleMesh::kNoSource;
   }
 }
@@ -177,19 +245,20 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
   if (finished.firstFace.empty()) {
     return {.failure = "the fracture was written without .ply meshes with neighbors"};
   }
-  Neighbors neighbors(broken, newId, finished.solid.frame, labels);
+  Neighbors neighbors(finished, broken, newId, labels);
   ExactSurface all;
   for (int id = 1; id <= finished.labels.fragmentCount; ++id) {
     if (newId[static_cast<std::size_t>(id)] == 0) continue;
-    all.meshes.push_back(keptMesh(finished, id, neighbors));
+    all.meshes.push_back(keptMesh(finished, id, newId[static_cast<std::size_t>(id)], neighbors));
   }
   for (const BrokenFragment& one : broken) {
     ExactSurface parts = cutAgain(finished, one, progress);
     if (!parts.failure.empty()) {
       return {.failure = "fragment " + std::to_string(one.id) + ": " + parts.failure};
     }
+    std::size_t own = one.first;
     for (LabeledMesh& part : parts.meshes) {
-      setNeighbors(finished, one.first, neighbors, part);
+      setNeighbors(one.first, ++own, neighbors, part);
       all.meshes.push_back(std::move(part));
     }
   }

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Every group of `sherd fracture`'s options: what it does, what the manifest says of it, and what is refused.
 
-Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy and python3-openvdb.
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy, python3-openvdb and python3-scipy.
 """
 import json
 import math
@@ -12,12 +12,20 @@ import unittest
 
 import numpy as np
 import pyopenvdb as vdb
+from scipy import ndimage
 
 import skipping
 from cli_test import CommandLine, joined, sphere, tree, write_obj
 from documents_test import helped
 
 AMPHORA = os.path.join(os.environ["SHERD_DATA"], "amphora.ply")
+
+
+def read_rle(file):
+    with open(file, "rb") as opened:
+        data = opened.read()
+    runs = np.frombuffer(data, np.dtype([("label", "<u2"), ("run", "<u4")]), offset=12)
+    return np.repeat(runs["label"], runs["run"]).reshape(np.frombuffer(data, "<u4", 3))
 
 
 class Options(CommandLine):
@@ -342,6 +350,37 @@ class Again(Options):
         self.assertLess(used.ru_maxrss, 500_000)  # kB; the box alone has 5 GB of labels
         with open(os.path.join(self.out, "manifest.json")) as file:
             self.assertEqual(sorted(f["parent"] for f in json.load(file)["fragments"]), [1, 2, 2, 2])
+
+    def test_islands_of_an_erosion_are_no_fragments(self):
+        """Components under 27 voxels are dropped, as of a solid that is broken the first time."""
+        first = os.path.join(self.data, "first")
+        for surface in ("smooth", "exact"):
+            with self.subTest(surface):
+                self.done("--write", "labels,vdb,mesh", "--erode-iterations", "2", "--erode-islands", "keep", "--growth", "sequential",
+                          "--surface", surface, pieces=8, out=first)
+                with open(os.path.join(first, "manifest.json")) as file:
+                    before = json.load(file)
+                all_ids = ",".join(str(f["id"]) for f in before["fragments"])
+                result = self.run_sherd("fracture", "--only", all_ids, os.path.join(first, "manifest.json"), "-o", self.out, "--pieces", "1",
+                                        "--write", "labels,mesh", "--surface", surface)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                with open(os.path.join(self.out, "manifest.json")) as file:
+                    after = json.load(file)
+                parts = {}  # voxels of the connected components of each fragment
+                labels = read_rle(os.path.join(first, "labels.rle"))
+                for fragment in before["fragments"]:
+                    found, count = ndimage.label(labels == fragment["id"] + 1)
+                    parts[fragment["id"]] = sorted(np.bincount(found.ravel())[1:].tolist(), reverse=True)
+                small = [n for own in parts.values() for n in own[1:] if n < 27]
+                self.assertGreater(len(small), 0)
+                self.assertEqual(after["small_components"], {"count": len(small), "voxels": sum(small)})
+                expected = sorted((id, n) for id, own in parts.items() for k, n in enumerate(own) if k == 0 or n >= 27)
+                self.assertEqual(sorted((f["parent"], f["voxels"]) for f in after["fragments"]), expected)
+                h = after["grid"]["voxel_size"]
+                for fragment in after["fragments"]:
+                    # A surface may sit half a voxel off.
+                    self.assertLess(abs(fragment["volume"] - fragment["voxels"] * h**3), 0.5 * h * fragment["area"])
+                    self.assertEqual(fragment["contacts"], [])  # an erosion parts all
 
     def test_edges_and_planes_are_those_of_the_meshes(self):
         """A rotated cube: eight corners times a matrix of orthogonal columns."""
