@@ -48,6 +48,10 @@ echo "== fuzzing the readers, each for five minutes or SHERD_FUZZ_SECONDS"
 tools/build.sh asan sherd_fuzz
 tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz "${SHERD_FUZZ_SECONDS:-300}"
 
+echo "== 2000 damages of .vdb files"
+tools/build.sh release sherd_cli
+tests/long/vdb_damage.py build/release/sherd
+
 echo "== 2000 fractures with exact surfaces"
 tools/build.sh release sherd_exact_sweep
 meshes=()

@@ -353,9 +353,12 @@ struct VdbFile {
   std::vector<VdbGrid> grids;
 };
 
-/// Reads a whole `.vdb` file and describes its content.
-///   throws  Error(input) absent, cut, or not OpenVDB's
-[[nodiscard]] VdbFile describeVdb(const std::filesystem::path& file);
+/// Reads a whole `.vdb` file, after a check of its structure, and describes its content. Of grids
+/// of points it reads the topology, of types that OpenVDB 10 does not know the name.
+///   throws  Error(input) absent, cut, damaged, no file of OpenVDB or of a version that is not
+///           supported; takes more memory than options.maxMemory, or than is free
+[[nodiscard]] VdbFile describeVdb(const std::filesystem::path& file,
+                                  const ReadOptions& options = {});
 
 // --- Volumes in place of a mesh ------------------------------------------------------------------
 

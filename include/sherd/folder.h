@@ -203,7 +203,8 @@ void requireSettled(const std::filesystem::path& path);
 /// Reads a fracture from its `manifest.json`, its labels and the fragments' `.vdb` files.
 ///   throws  Error(input) not a fracture's manifest, a fracture written without labels or vdb, a
 ///           file that is absent, damaged or inconsistent with the others
-[[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& manifest);
+[[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& manifest,
+                                            const ReadOptions& options = {});
 
 /// Reads the meshes of a fracture's fragments from their `.ply` files, and sets the solid's region:
 /// its surface keeps the edges of theirs, and its flat parts are merged, when it is broken again.

@@ -131,4 +131,11 @@ void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t l
   if (bytes > limit) throw memoryError(what, bytes, limit, OptionNames{"max-memory"});
 }
 
+void requireMemoryOfFile(const std::string& what, std::uint64_t bytes, std::uint64_t limit) {
+  limit = std::min(limit, freeMemory());
+  if (bytes <= limit) return;
+  const Error error = memoryError(what, bytes, limit, OptionNames{"max-memory"});
+  throw Error(ErrorCode::input, error.what(), error.options());
+}
+
 }  // namespace sherd

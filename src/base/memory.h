@@ -23,4 +23,9 @@ namespace sherd {
 ///   throws  Error(usage) `bytes` is above `limit`
 void requireMemory(const std::string& what, std::uint64_t bytes, std::uint64_t limit);
 
+/// Refuses a file whose content would not fit: a few bytes may stand for any number of voxels.
+///   what    the start of the message, with the file's name
+///   throws  Error(input) `bytes` is above `limit`, or above freeMemory()
+void requireMemoryOfFile(const std::string& what, std::uint64_t bytes, std::uint64_t limit);
+
 }  // namespace sherd

@@ -77,7 +77,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   Input input;
   readGiven(arguments, progress);
   if (!arguments.only.empty()) {
-    input.finished = readFracture(arguments.mesh);
+    input.finished = readFracture(arguments.mesh, {.maxMemory = arguments.run.volume.maxMemory});
     try {
       readFragmentMeshes(arguments.mesh, *input.finished, arguments.run.volume.maxMemory);
     } catch (const Error& e) {

@@ -55,7 +55,7 @@ Json inspectVoxels(const fs::path& file, VoxelFormat format) {
 }
 
 Json inspectVdb(const fs::path& file) {
-  const VdbFile vdb = describeVdb(file);
+  const VdbFile vdb = describeVdb(file, {.maxMemory = freeMemory()});
   Json grids = Json::array();
   for (const VdbGrid& grid : vdb.grids) {
     grids.push_back({{"name", grid.name},

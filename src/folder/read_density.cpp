@@ -18,8 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::shared_ptr<const DensityField> fieldOfGrid(const DensitySource& source,
+                                                const ReadOptions& options,
                                                 const Progress* progress) {
-  std::vector<NamedGrid> grids = readFloatGrids(source.file);
+  std::vector<NamedGrid> grids = readFloatGrids(source.file, options);
   std::string all;
   for (const NamedGrid& grid : grids) all += (all.empty() ? "'" : ", '") + grid.name + "'";
   if (!source.name.empty()) {
@@ -55,7 +56,7 @@ std::shared_ptr<const DensityField> fieldOfMesh(const fs::path& mesh, const std:
 Density readDensity(const std::string& source, const fs::path& mesh, const ReadOptions& options,
                     const Progress* progress) {
   const DensitySource parts = densitySourceOf(source);
-  if (!parts.file.empty()) return {source, fieldOfGrid(parts, progress)};
+  if (!parts.file.empty()) return {source, fieldOfGrid(parts, options, progress)};
   if (!isMeshName(mesh)) {
     throw Error(ErrorCode::usage,
                 "an attribute of vertices belongs to a mesh, and the input is none; give a .vdb "

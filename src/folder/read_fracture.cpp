@@ -8,12 +8,14 @@
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
+#include "base/memory.h"
 #include "base/sha256.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
 #include "formats/voxels/voxel_lookup.h"
 #include "grow/small_components.h"
 #include "mesh/joined.h"
+#include "pipeline/memory_estimate.h"
 #include "voxelize/distance.h"
 #include "voxelize/region.h"
 
@@ -59,9 +61,26 @@ TriangleMesh originalOf(const TriangleMesh& faces) {
   return original;
 }
 
+// The level sets are a stranger's: they are united voxel by voxel, and their inside tiles expanded.
+void requireLevelSet(const fs::path& file, const openvdb::FloatGrid& level,
+                     const openvdb::FloatGrid* before, std::uint64_t maxMemory) {
+  if (!isSolidLevelSet(level)) {
+    inputError(file,
+               "is not the level set of a fragment: its voxels are no cubes, or its band is "
+               "narrower than three of them");
+  }
+  if (before != nullptr) {
+    const GridFrame own = frameOf(level), first = frameOf(*before);
+    if (own.voxelSize != first.voxelSize || own.origin != first.origin)
+      inputError(file, "has other voxels than the fragments before it");
+  }
+  const VoxelCounts counts = voxelsOf(level, 0.0, /*above=*/false);
+  requireMemoryOfFile(file.string(), estimatedMemory(counts.surface, counts.inside), maxMemory);
+}
+
 }  // namespace
 
-FinishedFracture readFracture(const fs::path& file) {
+FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) {
   const Manifest manifest = readManifest(file);
   FinishedFracture finished;
   finished.resolution = manifest.resolution;
@@ -78,7 +97,8 @@ FinishedFracture readFracture(const fs::path& file) {
     if (fragment.vdb.empty()) {
       inputError(file, "the fracture was written without a .vdb file of each fragment");
     }
-    FloatGridPtr level = readLevelSet(listedFile(file, fragment.vdb));
+    FloatGridPtr level = readLevelSet(listedFile(file, fragment.vdb), options);
+    requireLevelSet(listedFile(file, fragment.vdb), *level, whole.get(), options.maxMemory);
     if (whole) {
       unite(*whole, *level);
     } else {

@@ -8,11 +8,14 @@
 
 #include "base/input_error.h"
 #include "base/lower_case.h"
+#include "base/memory.h"
 #include "base/uncancelled.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
+#include "pipeline/memory_estimate.h"
 #include "surface/mesh.h"
+#include "voxelize/distance.h"
 
 namespace sherd {
 namespace {
@@ -27,20 +30,29 @@ Fragment fragmentOf(int id, TriangleMesh mesh) {
   return fragment;
 }
 
-std::vector<Fragment> fromLevelSets(const fs::path& file) {
+// A tile of a few bytes can represent any number of voxels, and its faces any number of triangles.
+TriangleMesh meshOf(const fs::path& file, const openvdb::FloatGrid& levelSet,
+                    std::uint64_t maxMemory) {
+  const VoxelCounts counts = voxelsOf(levelSet, 0.0, /*above=*/false);
+  requireMemoryOfFile(file.string() + ": the surface of its voxels",
+                      estimatedMemory(counts.surface, 0.0), maxMemory);
+  return meshInWorld(levelSet);
+}
+
+std::vector<Fragment> fromLevelSets(const fs::path& file, const ReadOptions& options) {
   std::vector<Fragment> fragments;
-  for (const NamedGrid& level : readLevelSets(file)) {
-    fragments.push_back(
-        fragmentOf(static_cast<int>(fragments.size()) + 1, meshInWorld(*level.grid)));
+  for (const NamedGrid& level : readLevelSets(file, options)) {
+    fragments.push_back(fragmentOf(static_cast<int>(fragments.size()) + 1,
+                                   meshOf(file, *level.grid, options.maxMemory)));
   }
   return fragments;
 }
 
 // For a fracture without meshes.
-std::vector<Fragment> fromVolumes(const fs::path& folder) {
+std::vector<Fragment> fromVolumes(const fs::path& folder, const ReadOptions& options) {
   const fs::path file = folder / kManifestName;
   const Manifest manifest = readManifest(file);
-  if (!manifest.allVdb.empty()) return fromLevelSets(listedFile(file, manifest.allVdb));
+  if (!manifest.allVdb.empty()) return fromLevelSets(listedFile(file, manifest.allVdb), options);
   std::vector<fs::path> volumes;
   for (const ManifestFragment& fragment : manifest.fragments) {
     if (fragment.vdb.empty()) {
@@ -51,7 +63,9 @@ std::vector<Fragment> fromVolumes(const fs::path& folder) {
   std::vector<Fragment> fragments(volumes.size());
   tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
     uncancelled([&] {
-      fragments[i] = fragmentOf(static_cast<int>(i) + 1, meshInWorld(*readLevelSet(volumes[i])));
+      fragments[i] =
+          fragmentOf(static_cast<int>(i) + 1,
+                     meshOf(volumes[i], *readLevelSet(volumes[i], options), options.maxMemory));
     });
   });
   return fragments;
@@ -61,7 +75,7 @@ std::vector<Fragment> fromFolder(const fs::path& folder, const ReadOptions& opti
   FragmentSet set = readFragments(folder, options);
   const bool hasMeshes = std::none_of(set.fragments.begin(), set.fragments.end(),
                                       [](const EvaluatedFragment& f) { return f.name.empty(); });
-  if (!hasMeshes) return fromVolumes(folder);
+  if (!hasMeshes) return fromVolumes(folder, options);
   std::vector<Fragment> fragments;
   for (EvaluatedFragment& fragment : set.fragments) {
     fragments.push_back(fragmentOf(fragment.mesh.id, std::move(fragment.mesh.mesh)));
@@ -77,7 +91,7 @@ std::vector<Fragment> readPieces(const fs::path& path, const ReadOptions& option
   if (type == fs::file_type::not_found) inputError(path, "no such file or folder");
   if (type == fs::file_type::directory) return fromFolder(path, options);
   const std::string extension = lowerCase(path.extension().string());
-  if (extension == ".vdb") return fromLevelSets(path);
+  if (extension == ".vdb") return fromLevelSets(path, options);
   if (extension == ".json") {
     (void)readManifest(path);
     const fs::path folder = path.parent_path();

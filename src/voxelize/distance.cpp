@@ -234,6 +234,24 @@ bool isSolidLevelSet(const FloatGrid& grid) {
   return static_cast<double>(grid.background()) >= (kHalfWidthVoxels - kHalfFloats) * size;
 }
 
+bool hasFiniteValues(const FloatGrid& grid) {
+  constexpr std::uint32_t kExponent = 0x7f800000;
+  if (!std::isfinite(grid.background())) return false;
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    const float* const values = leaf->buffer().data();
+    unsigned others = 0;
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
+      others += (std::bit_cast<std::uint32_t>(values[i]) & kExponent) == kExponent ? 1u : 0u;
+    if (others > 0) return false;
+  }
+  auto tiles = grid.tree().cbeginValueAll();
+  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tiles; ++tiles) {
+    if (!std::isfinite(*tiles)) return false;
+  }
+  return true;
+}
+
 VoxelCounts voxelsOf(const FloatGrid& grid, double isovalue, bool above) {
   const auto isSolid = [&](double value) { return above ? value > isovalue : value < isovalue; };
   VoxelCounts counts;
@@ -245,8 +263,12 @@ VoxelCounts voxelsOf(const FloatGrid& grid, double isovalue, bool above) {
   }
   auto tiles = grid.tree().cbeginValueAll();
   tiles.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
+  const bool isInverted = isSolid(grid.background());
   for (; tiles; ++tiles) {
-    if (!isSolid(*tiles)) continue;
+    // Where the background is solid, so are the neighbors of the root's tiles that are not.
+    if (!isSolid(*tiles) && !(isInverted && tiles.getLevel() == FloatGrid::TreeType::DEPTH - 1)) {
+      continue;
+    }
     const auto voxels = static_cast<double>(tiles.getVoxelCount());
     counts.inside += voxels;
     counts.surface += 6.0 * std::cbrt(voxels * voxels);  // of a cube

@@ -68,6 +68,9 @@ void setFrame(openvdb::FloatGrid& grid, const GridFrame& frame);
 /// voxel size, and a half width of at least three voxels.
 [[nodiscard]] bool isSolidLevelSet(const openvdb::FloatGrid& grid);
 
+/// Whether all values of a grid are finite: those of voxels, tiles and the background.
+[[nodiscard]] bool hasFiniteValues(const openvdb::FloatGrid& grid);
+
 /// The number of voxels in a grid's solid, tiles included, and an estimate of those at its surface.
 struct VoxelCounts {
   double inside = 0.0, surface = 0.0;

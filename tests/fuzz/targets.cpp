@@ -9,12 +9,11 @@
 #include "fuzz/draco_files.h"
 #include "fuzz/handmade.h"
 #include "fuzz/readers.h"
+#include "fuzz/vdb_files.h"
 
 namespace sherd::fuzz {
 namespace {
 
-// Not here: .vdb files. OpenVDB fills a string as long as a file says, up to 4 GiB, before it finds
-// that the file ends.
 // clang-format off
 const std::vector<Target> kTargets{
     {"ply", [](std::string_view bytes) { readMeshNamed("a.ply", bytes); }, ".ply", handmade::ply()},
@@ -35,6 +34,7 @@ const std::vector<Target> kTargets{
     {"vox", [](std::string_view bytes) { checkVoxels(parseMagicaVoxel(bytes, "a.vox")); }, ".vox", {}},
     {"qstack", [](std::string_view bytes) { checkVoxels(parseQuadStack(bytes, "a.qstack")); }, ".qstack", {}},
     {"bing", [](std::string_view bytes) { checkVoxels(parseBing(bytes, "a.bing")); }, ".bing", {}},
+    {"vdb", readVdb, ".vdb", vdbFiles()},
     {"points", [](std::string_view bytes) { checkPoints(parsePlyPoints(bytes, "a.ply")); }, "_001.ply", {}},
     {"xyz", [](std::string_view bytes) { checkPoints(parseXyz(bytes, "a.xyz")); }, ".xyz", {}},
     {"binp", [](std::string_view bytes) { checkPoints(parseBinp(bytes, "a.binp")); }, ".binp", {}},

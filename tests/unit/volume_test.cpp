@@ -137,12 +137,13 @@ TEST_F(VolumeTest, WhatIsSolidNowhereIsRefused) {
   EXPECT_THROW((void)readVolume(folder_ / "empty.rle"), Error);
 }
 
-void expectRefusalForMemory(const fs::path& file, const VolumeOptions& options) {
+void expectRefusalForMemory(const fs::path& file, const VolumeOptions& options,
+                            ErrorCode code = ErrorCode::usage) {
   try {
     (void)readVolume(file, options);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::usage);
+    EXPECT_EQ(e.code(), code);
     EXPECT_EQ(e.options(), OptionNames{"max-memory"}) << e.what();
   }
 }
@@ -155,8 +156,9 @@ TEST_F(VolumeTest, ATileThatStandsForMoreVoxelsThanFitIsRefused) {
   const fs::path file = write("tile.vdb", {grid});
   EXPECT_LT(fs::file_size(file), 1'000'000u);
   // Its voxels are too many, and so are its faces.
-  expectRefusalForMemory(file, {.grid = "", .maxMemory = 500'000'000'000});
-  expectRefusalForMemory(file, {.grid = "", .ownVoxels = false, .maxMemory = 10'000'000'000});
+  expectRefusalForMemory(file, {.grid = "", .maxMemory = 500'000'000'000}, ErrorCode::input);
+  expectRefusalForMemory(file, {.grid = "", .ownVoxels = false, .maxMemory = 10'000'000'000},
+                         ErrorCode::input);
 }
 
 // ---- Voxel files

@@ -39,8 +39,9 @@ std::string namesOf(const std::vector<NamedGrid>& grids) {
 }
 
 // Returns the grids of the volume: the one with the given name, all level sets, or the only grid.
-std::vector<NamedGrid> chosenGrids(const fs::path& file, const std::string& name) {
-  std::vector<NamedGrid> grids = readFloatGrids(file);
+std::vector<NamedGrid> chosenGrids(const fs::path& file, const VolumeOptions& options) {
+  const std::string& name = options.grid;
+  std::vector<NamedGrid> grids = readFloatGrids(file, {.maxMemory = options.maxMemory});
   if (!name.empty()) {
     const std::string all = namesOf(grids);
     std::erase_if(grids, [&](const NamedGrid& grid) { return grid.name != name; });
@@ -75,7 +76,8 @@ double isovalueOf(const NamedGrid& grid, const VolumeOptions& options) {
 
 void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volume,
                const Progress* progress) {
-  std::vector<NamedGrid> grids = chosenGrids(file, options.grid);
+  std::vector<NamedGrid> grids = chosenGrids(file, options);
+  for (const NamedGrid& grid : grids) requireFinite(file, grid);
   volume.voxelSize = smallestVoxel(*grids.front().grid);
   volume.isLevelSet = std::all_of(grids.begin(), grids.end(),
                                   [](const NamedGrid& grid) { return grid.isLevelSet; });
@@ -93,15 +95,20 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
     counts.inside += own.inside;
     counts.surface += own.surface;
   }
-  requireMemory(file.string() + " at its own voxels",
-                estimatedMemory(counts.surface, keepsVoxels ? counts.inside : 0.0),
-                options.maxMemory);
+  requireMemoryOfFile(file.string() + " at its own voxels",
+                      estimatedMemory(counts.surface, keepsVoxels ? counts.inside : 0.0),
+                      options.maxMemory);
   if (!keepsVoxels) {
     for (const NamedGrid& grid : grids) {
       throwIfCancelled(progress);
       volume.source.mesh =
           joined(std::move(volume.source.mesh), meshInWorld(*grid.grid, isovalueOf(grid, options)));
     }
+    const auto& vertices = volume.source.mesh.vertices;
+    const bool isFinite = std::all_of(vertices.begin(), vertices.end(), [](const glm::dvec3& v) {
+      return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    });
+    if (!isFinite) inputError(file, "has a transform that leads to positions that are not finite");
     return;
   }
   for (std::size_t i = 1; i < grids.size(); ++i) unite(*grids.front().grid, *grids[i].grid);

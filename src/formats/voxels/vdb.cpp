@@ -1,20 +1,14 @@
-// Reads and writes `.vdb` files; equal fragments give equal bytes.
-#include "formats/voxels/vdb.h"
-
+// Writes `.vdb` files; equal fragments give equal bytes.
 #include <openssl/sha.h>
-#include <openvdb/io/Stream.h>
+#include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
 #include <sherd/error.h>
 #include <sherd/files.h>
 
 #include <array>
-#include <cerrno>
-#include <fstream>
-#include <new>
 #include <sstream>
 
 #include "base/atomic_file.h"
-#include "base/input_error.h"
 #include "base/version.h"
 #include "formats/voxels/vdb_unit.h"
 #include "grow/check_labels.h"
@@ -142,49 +136,6 @@ std::uint32_t flagsOf(VdbCompression compression) {
   return openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;
 }
 
-VdbMetadata textOf(const openvdb::MetaMap& metadata) {
-  VdbMetadata text;
-  for (auto it = metadata.beginMeta(); it != metadata.endMeta(); ++it) {
-    if (it->second) text.emplace_back(it->first, it->second->str());
-  }
-  return text;
-}
-
-VdbGrid describe(const openvdb::GridBase& grid) {
-  const openvdb::Vec3d size = grid.voxelSize();
-  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  const openvdb::Metadata::Ptr background = grid.constBaseTree().getBackgroundValue();
-  return {.name = grid.getName(),
-          .type = grid.constBaseTree().type(),
-          .gridClass = openvdb::GridBase::gridClassToString(grid.getGridClass()),
-          .voxelSize = {size.x(), size.y(), size.z()},
-          .background = background ? background->str() : "",
-          .activeVoxels = grid.activeVoxelCount(),
-          .activeBox = {box.min(), box.max()},
-          .metadata = textOf(grid)};
-}
-
-// Opens a file and returns read(stream).
-template <class Read>
-auto withStream(const std::filesystem::path& file, Read&& read) {
-  if (whatIsAt(file) == std::filesystem::file_type::directory)
-    inputError(file, "is a folder; a .vdb file is needed");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) inputError(file, "cannot be opened: " + reasonOf(errno));
-  in.exceptions(std::ios::badbit | std::ios::failbit);  // otherwise OpenVDB reads past the end
-  try {
-    openvdb::initialize();
-    openvdb::io::Stream stream(in, /*delayLoad=*/false);
-    return read(stream);
-  } catch (const std::ios::failure&) {
-    inputError(file, "ends too early; the file is cut or is no .vdb file");
-  } catch (const std::bad_alloc&) {
-    inputError(file, "needs more memory than there is; is it damaged?");
-  } catch (const std::exception& e) {  // any exception that a damaged file causes in OpenVDB
-    inputError(file, std::string("is no .vdb file that OpenVDB can read: ") + e.what());
-  }
-}
-
 // Writes the grids that `make` appends.
 template <class Make>
 void writeGrids(const OutputFile& file, VdbCompression compression, Make&& make) {
@@ -279,43 +230,6 @@ void writeCost(const OutputFile& file, const Solid& solid, const Labels& labels)
     cost->setName("cost");
     grids.push_back(cost);
   });
-}
-
-VdbFile describeVdb(const std::filesystem::path& file) {
-  return withStream(file, [](openvdb::io::Stream& stream) {
-    VdbFile found;
-    if (const auto metadata = stream.getMetadata()) found.metadata = textOf(*metadata);
-    const openvdb::GridPtrVecPtr grids = stream.getGrids();
-    for (const openvdb::GridBase::Ptr& grid : *grids) found.grids.push_back(describe(*grid));
-    return found;
-  });
-}
-
-std::vector<NamedGrid> readFloatGrids(const std::filesystem::path& file) {
-  std::vector<NamedGrid> found = withStream(file, [](openvdb::io::Stream& stream) {
-    std::vector<NamedGrid> all;
-    const openvdb::GridPtrVecPtr grids = stream.getGrids();
-    for (const openvdb::GridBase::Ptr& base : *grids) {
-      const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
-      if (!grid) continue;
-      intoWorldUnits(*grid);
-      all.push_back({grid->getName(), grid->getGridClass() == openvdb::GRID_LEVEL_SET, grid});
-    }
-    return all;
-  });
-  if (found.empty()) inputError(file, "holds no grid of floats");
-  return found;
-}
-
-std::vector<NamedGrid> readLevelSets(const std::filesystem::path& file) {
-  std::vector<NamedGrid> found = readFloatGrids(file);
-  std::erase_if(found, [](const NamedGrid& grid) { return !grid.isLevelSet; });
-  if (found.empty()) inputError(file, "holds no level set");
-  return found;
-}
-
-std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file) {
-  return readLevelSets(file).front().grid;
 }
 
 }  // namespace sherd

@@ -18,14 +18,32 @@ struct NamedGrid {
 
 /// Returns the float grids of a `.vdb` file, in its order.
 ///   throws  Error(input) as describeVdb(); there is none
-[[nodiscard]] std::vector<NamedGrid> readFloatGrids(const std::filesystem::path& file);
+[[nodiscard]] std::vector<NamedGrid> readFloatGrids(const std::filesystem::path& file,
+                                                    const ReadOptions& options = {});
 
 /// Returns the float grids that are level sets.
-///   throws  Error(input) as describeVdb(); there is none
-[[nodiscard]] std::vector<NamedGrid> readLevelSets(const std::filesystem::path& file);
+///   throws  Error(input) as describeVdb(); there is none; a value is not finite
+[[nodiscard]] std::vector<NamedGrid> readLevelSets(const std::filesystem::path& file,
+                                                   const ReadOptions& options = {});
 
 /// Returns the first float level set of a `.vdb` file.
-///   throws  Error(input) as describeVdb(); there is none
-[[nodiscard]] std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file);
+///   throws  Error(input) as readLevelSets()
+[[nodiscard]] std::shared_ptr<openvdb::FloatGrid> readLevelSet(const std::filesystem::path& file,
+                                                               const ReadOptions& options = {});
+
+///   throws  Error(input) a value of the grid is not finite
+void requireFinite(const std::filesystem::path& file, const NamedGrid& grid);
+
+/// Returns the float grids in the bytes of a file, an empty list if there is none.
+///   file       name for messages
+///   maxMemory  bytes
+///   throws     Error(input)
+[[nodiscard]] std::vector<NamedGrid> floatGridsOf(const std::filesystem::path& file,
+                                                  std::string bytes, std::uint64_t maxMemory);
+
+/// Describes the bytes of a file.
+///   throws  Error(input)
+[[nodiscard]] VdbFile describeVdbOf(const std::filesystem::path& file, std::string bytes,
+                                    std::uint64_t maxMemory);
 
 }  // namespace sherd
