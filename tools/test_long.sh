@@ -21,6 +21,11 @@ tools/build.sh release sherd_cli sherd_faults
 SHERD_FAULTS_EACH=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/release/tests/faults/sherd_faults.so \
   OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/faults_test.py
 
+echo "== every command under many limits of memory and threads"
+SHERD_LIMITS=all SHERD_BIN=$PWD/build/release/sherd /usr/bin/python3 -B tests/cli/limits_test.py
+echo "== 60 random option sets with points, correspondences and samples under --max-memory"
+SHERD_BIN=$PWD/build/release/sherd /usr/bin/python3 -B tests/long/sample_memory.py 60
+
 echo "== 200 signals at random moments"
 SHERD_SIGNALS=200 SHERD_BIN=$PWD/build/release/sherd OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/signals_test.py
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -36,10 +37,13 @@ bool isLost = false;            // it was not, and this is the forked process
 // as one that uses TBB.
 bool stopThreadsOfTbb() {
   bool isStopped = false;
-  std::thread([&] {
-    tbb::task_scheduler_handle handle{tbb::attach{}};
-    isStopped = tbb::finalize(handle, std::nothrow);
-  }).join();
+  try {
+    std::thread([&] {
+      tbb::task_scheduler_handle handle{tbb::attach{}};
+      isStopped = tbb::finalize(handle, std::nothrow);
+    }).join();
+  } catch (const std::system_error&) {  // there is no thread
+  }
   return isStopped;
 }
 

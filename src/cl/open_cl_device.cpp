@@ -1,6 +1,7 @@
 // Commands of an OpenCL device.
 #include "cl/open_cl_device.h"
 
+#include "base/threads.h"
 #include "cl/error_name.h"
 #include "cl/kernel_cache.h"
 
@@ -59,8 +60,7 @@ OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened, std::string 
 }
 
 void OpenClDevice::buildKernels() {
-  if (!program_.valid())
-    program_ = std::async(std::launch::async, builtProgram, context, device, info, source_);
+  if (!program_.valid()) program_ = startedTask(builtProgram, context, device, info, source_);
 }
 
 OpenClDevice::BuiltKernel& OpenClDevice::kernel(const char* name) {

@@ -35,6 +35,9 @@ void printResult(const std::string& text);
 /// Writes one line to standard error, control characters escaped; failures are ignored.
 void printMessage(const std::string& line);
 
+/// The sentence for an allocation that fails.
+inline constexpr const char* kNoMemory = "not enough memory; try a lower resolution (--resolution)";
+
 /// Returns an error's sentence with the flags of its options: "...; try a higher resolution
 /// (--resolution)".
 [[nodiscard]] std::string sentenceOf(const Error& error);

@@ -20,6 +20,7 @@
 #include "base/lower_case.h"
 #include "base/safe_name.h"
 #include "base/text_scan.h"
+#include "base/threads.h"
 #include "cli/command.h"
 #include "cli/config_arguments.h"
 #include "cli/foreign_exit.h"
@@ -226,8 +227,7 @@ class FractureRun {
   void run() {
     if (!arguments_.splitObjects) checkFractureFolder(arguments_.folder);
     // Opening a device loads a compiler, which takes as long as reading 100,000 triangles.
-    std::future<Device> opening =
-        std::async(std::launch::async, [this] { return Device(arguments_.machine.device); });
+    std::future<Device> opening = startedTask([this] { return Device(arguments_.machine.device); });
     Input input = timed("read", [&] { return readInput(arguments_, progress_); });
     std::vector<std::string> folders{arguments_.folder};
     if (arguments_.splitObjects) {

@@ -12,11 +12,11 @@
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "base/atomic_file.h"
 #include "base/printable.h"
+#include "base/threads.h"
 #include "base/version.h"
 #include "cli/cgal_checks.h"
 #include "cli/command.h"
@@ -24,6 +24,8 @@
 #include "cli/config_arguments.h"
 #include "cli/former_names.h"
 #include "cli/interrupts.h"
+#include "cli/uncaught.h"
+#include "cli/worker_threads.h"
 
 namespace sherd::cli {
 
@@ -122,19 +124,24 @@ int report(ErrorCode code, const std::string& sentence) {
 
 int runProgram(int argc, char** argv) {
   try {
+    endUncaughtOrderly();
     prepareProcess();
     watchForInterrupts();
     Action run;
     parse(argc, argv, run);
-    if (run) run();
+    if (run) {
+      const auto workers = startedWorkers();
+      run();
+    }
     claimExit(0);
     return 0;
   } catch (const Error& e) {
     return report(e.code(), sentenceOf(e));
   } catch (const std::bad_alloc&) {
-    return report(ErrorCode::internal, "not enough memory; try a lower resolution (--resolution)");
+    return report(ErrorCode::internal, kNoMemory);
   } catch (const std::exception& e) {
-    return report(ErrorCode::internal, std::string("internal error: ") + e.what());
+    return report(ErrorCode::internal,
+                  isOfThread(e) ? kNoThread : std::string("internal error: ") + e.what());
   }
 }
 

@@ -5,11 +5,18 @@
 #include <utility>
 
 #include "base/atomic_file.h"
+#include "base/threads.h"
 
 namespace sherd {
 
 FileQueue::FileQueue(std::size_t mostBytes, int threads) : mostBytes_(mostBytes) {
-  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+  const auto most = static_cast<std::size_t>(threads);
+  threads_.reserve(most);
+  threads_.push_back(startedThread([this] { work(); }));
+  try {
+    while (threads_.size() < most) threads_.push_back(startedThread([this] { work(); }));
+  } catch (const Error&) {  // fewer do
+  }
 }
 
 FileQueue::~FileQueue() {

@@ -18,6 +18,8 @@ namespace sherd {
 /// A queue of files to write past the system's cache, bounded in bytes.
 class FileQueue {
  public:
+  ///   threads  fewer where the system refuses some
+  ///   throws   Error(internal) it refuses all
   explicit FileQueue(std::size_t mostBytes, int threads = 2);
   /// Waits until all are written.
   ~FileQueue();

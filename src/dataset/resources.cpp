@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <new>
+#include <system_error>
+#include <utility>
 
 namespace sherd {
 namespace {
@@ -33,13 +36,29 @@ std::uint64_t peakMemory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
 }
 
-ResourceSampler::ResourceSampler(const Device& device)
-    : device_(device), lastCpu_(cpuSeconds()), thread_([this] {
-        std::unique_lock lock(mutex_);
-        while (!wake_.wait_for(lock, std::chrono::seconds(1), [this] { return done_; })) sample();
-      }) {}
+ResourceSampler::ResourceSampler(const Device& device) : device_(device), lastCpu_(cpuSeconds()) {
+  try {
+    thread_ = std::thread([this] { work(); });
+  } catch (const std::system_error&) {  // a run without samples but the last is a run nevertheless
+  }
+}
 
-ResourceSampler::~ResourceSampler() { (void)finish(); }
+void ResourceSampler::work() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, std::chrono::seconds(1), [this] { return done_; })) {
+    try {
+      sample();
+    } catch (const std::bad_alloc&) {  // the sample is left out
+    }
+  }
+}
+
+ResourceSampler::~ResourceSampler() {
+  try {
+    (void)finish();
+  } catch (const std::bad_alloc&) {  // by the last sample, which nobody reads
+  }
+}
 
 void ResourceSampler::sample() {
   const double now =
@@ -54,11 +73,10 @@ void ResourceSampler::sample() {
 std::vector<ResourceSample> ResourceSampler::finish() {
   {
     const std::lock_guard lock(mutex_);
-    done_ = true;
+    if (std::exchange(done_, true)) return {};
   }
   wake_.notify_all();
-  if (!thread_.joinable()) return {};
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
   sample();
   return std::move(samples_);
 }

@@ -31,6 +31,7 @@ class ResourceSampler {
   [[nodiscard]] std::vector<ResourceSample> finish();
 
  private:
+  void work();
   void sample();
 
   const Device& device_;
@@ -39,7 +40,7 @@ class ResourceSampler {
   std::vector<ResourceSample> samples_;
   std::mutex mutex_;
   std::condition_variable wake_;
-  bool done_ = false;
+  bool done_ = false;  // finish() was called
   std::thread thread_;
 };
 

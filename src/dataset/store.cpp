@@ -13,6 +13,7 @@
 #include "base/atomic_file.h"
 #include "base/below_folder.h"
 #include "base/sha256.h"
+#include "base/threads.h"
 
 namespace sherd {
 namespace {
@@ -249,7 +250,7 @@ ObjectStore::ObjectStore(StorePlace place, std::size_t maxQueuedBytes)
     removeLoose(place_, place_.kept);
     queue_ = std::make_unique<FileQueue>(maxQueuedBytes);
   }
-  thread_ = std::thread([this] { work(); });
+  thread_ = startedThread([this] { work(); });
 }
 
 ObjectStore::~ObjectStore() {

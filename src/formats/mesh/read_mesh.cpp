@@ -21,6 +21,7 @@
 #include "base/lower_case.h"
 #include "base/sha256.h"
 #include "base/text_scan.h"
+#include "base/threads.h"
 #include "formats/mesh/contradictions.h"
 #include "formats/mesh/merge.h"
 #include "formats/mesh/normals.h"
@@ -230,7 +231,7 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
   const FileName name = splitName(path);
   const MeshFile file = unpacked(path, bytes, memory, progress);
   std::future<std::string> hash =
-      std::async(std::launch::async, [&] { return sha256(name.packed ? bytes : file.bytes); });
+      startedTask([&] { return sha256(name.packed ? bytes : file.bytes); });
   RawMesh raw = checkedRaw(file);
   completeNormals(raw);
 
