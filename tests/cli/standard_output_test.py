@@ -107,14 +107,14 @@ class ControlCharacters(CommandLine):
     def run_raw(self, *arguments):
         return subprocess.run([os.environ["SHERD_BIN"], *arguments], capture_output=True)
 
-    def shows(self, *arguments, status=0):
+    def shows(self, *arguments, status=0, shown=SHOWN):
         run = self.run_raw(*arguments)
         self.assertEqual(run.returncode, status, run.stderr)
         both = run.stdout + run.stderr
         text = both.decode()  # valid
         raw = [c for c in text if c != "\n" and (ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0)]
         self.assertEqual(raw, [], text)
-        self.assertIn(self.SHOWN, text)
+        self.assertIn(shown, text)
         return text
 
     def named(self, end, of):
@@ -129,13 +129,13 @@ class ControlCharacters(CommandLine):
         self.assertEqual(text.count("\n"), 4, text)  # no name breaks a line
         self.shows("evaluate", out)
         self.shows("evaluate", out, "--statistics")
-        self.shows("convert", mesh, "-o", os.path.join(os.fsencode(self.tmp), b"b.ply"))
+        self.shows("convert", mesh, os.path.join(os.fsencode(self.tmp), b"b.ply"))
         self.shows("view", out, "-o", out + b".html")
         self.shows("inspect", out + b"/absent.obj", status=3)
         self.shows("fracture", mesh + b".absent", "-o", "x", status=3)
         self.shows("fracture", "--config", mesh + b".toml", "-o", "x", status=3)
         self.shows(b"frac" + self.NAME, status=2)
-        self.shows("fracture", mesh, "-o", "x", "--growth", self.NAME, status=2)
+        self.shows("fracture", mesh, "-o", "x", "--growth", b"a\x1b[31m", status=2, shown="a\\u001b[31m")
 
     def test_of_a_library(self):
         library = self.path("library")
