@@ -45,9 +45,9 @@ void Archive::append(std::string_view bytes) {
   file_.append(bytes);
 }
 
-void Archive::add(const PackedFile& file, const ByteBlocks& bytes) {
+void Archive::add(const PackedFile& file, const HeldBytes& bytes) {
   zip_.begin(file, bytes.size());
-  for (const std::string_view piece : bytes.pieces()) append(piece);
+  bytes.forEach([this](std::string_view piece) { append(piece); });
 }
 
 Archive::Finished Archive::finish() {

@@ -7,7 +7,7 @@
 
 #include "base/appended_file.h"
 #include "base/sha256.h"
-#include "dataset/byte_blocks.h"
+#include "dataset/held_bytes.h"
 #include "formats/arrays/zip_writer.h"
 
 namespace sherd {
@@ -28,7 +28,7 @@ class Archive {
   ///   file    its `bytes` are ignored
   ///   bytes   packed
   ///   throws  Error(output), as all of them
-  void add(const PackedFile& file, const ByteBlocks& bytes);
+  void add(const PackedFile& file, const HeldBytes& bytes);
 
   /// Has all bytes in the file.
   void flush() { file_.flush(); }

@@ -64,9 +64,10 @@ void makeFolder(const fs::path& folder) {
 
 // ---- Staged files
 
-StagedFiles::StagedFiles(fs::path root, std::string prefix, FileCompression compression,
-                         BlockPool& pool, FileQueue* queue)
+StagedFiles::StagedFiles(fs::path root, fs::path archive, std::string prefix,
+                         FileCompression compression, BlockPool& pool, FileQueue* queue)
     : root_(std::move(root)),
+      archive_(std::move(archive)),
       prefix_(std::move(prefix)),
       compression_(compression),
       pool_(pool),
@@ -90,21 +91,32 @@ double StagedFiles::writing() const {
 }
 
 std::string StagedFiles::stored(const std::string& name) const {
-  const bool isArchived = root_.empty();
+  const bool isArchived = !archive_.empty();
   const char* const packing = isArchived || compression_ == FileCompression::none ? ""
                               : compression_ == FileCompression::zip              ? ".zip"
                                                                                   : ".zst";
   return prefix_ + name + packing;
 }
 
+template <class Action>
+void StagedFiles::onDisk(const Action& action) {
+  try {
+    action();
+  } catch (...) {
+    isDiskAtFault_ = true;
+    throw;
+  }
+}
+
 FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) {
   FileRecord record{stored(name), 0, {}};
   Sha256 sum;
-  ByteBlocks file(pool_);
+  const fs::path path = root_ / record.name;
+  HeldBytes file(pool_, path);
   const ByteSink keep = [&](std::string_view bytes) {
     record.bytes += bytes.size();
     sum.add(bytes);
-    file.append(bytes);
+    onDisk([&] { file.append(bytes); });
   };
   const ByteSink write = inPieces(keep);
   switch (compression_) {
@@ -122,13 +134,11 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
       break;
   }
   record.sha256 = sum.text();
-  const fs::path path = root_ / record.name;
-  try {
-    makeFolder(path.parent_path());
-  } catch (...) {
-    isDiskAtFault_ = true;
-    throw;
+  if (!file.isInMemory()) {
+    onDisk([&] { file.commit(); });
+    return record;
   }
+  onDisk([&] { makeFolder(path.parent_path()); });
   const auto done = [this](std::exception_ptr problem, double seconds) {
     const std::lock_guard lock(mutex_);
     if (problem && !problem_) problem_ = std::move(problem);
@@ -141,7 +151,7 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
     ++pending_;
   }
   try {
-    queue_->add(path, std::move(file), done);
+    queue_->add(path, std::move(file.inMemory()), done);
   } catch (...) {
     done(nullptr, 0.0);
     throw;
@@ -152,7 +162,7 @@ FileRecord StagedFiles::toDisk(const std::string& name, const Content& content) 
 FileRecord StagedFiles::toArchive(const std::string& name, const Content& content) {
   FileRecord record{stored(name), 0, {}};
   Sha256 sum;
-  ByteBlocks bytes(pool_);
+  HeldBytes bytes(pool_, archive_);
   const auto contentWithSum = [&](const ByteSink& sink) {
     const ByteSink both = [&](std::string_view some) {
       record.bytes += some.size();
@@ -162,10 +172,10 @@ FileRecord StagedFiles::toArchive(const std::string& name, const Content& conten
     content(inPieces(both));
   };
   PackedFile file = packed(record.name, compression_ != FileCompression::none, contentWithSum,
-                           [&bytes](std::string_view some) { bytes.append(some); });
+                           [&](std::string_view some) { onDisk([&] { bytes.append(some); }); });
   record.sha256 = sum.text();
   const std::lock_guard lock(mutex_);
-  packedBytes_ += bytes.size();
+  if (bytes.isInMemory()) packedBytes_ += bytes.size();
   packed_.push_back({std::move(file), std::move(bytes)});
   return record;
 }
@@ -190,7 +200,7 @@ void StagedFiles::appendTo(Archive& archive) {
 
 void StagedFiles::take(const std::string& name, const Content& content) {
   const Clock::time_point begin = Clock::now();
-  FileRecord record = root_.empty() ? toArchive(name, content) : toDisk(name, content);
+  FileRecord record = archive_.empty() ? toDisk(name, content) : toArchive(name, content);
   const std::lock_guard lock(mutex_);
   records_.push_back(std::move(record));
   packing_ += std::chrono::duration<double>(Clock::now() - begin).count();
@@ -264,11 +274,12 @@ ObjectStore::~ObjectStore() {
 
 std::unique_ptr<StagedFiles> ObjectStore::stage(const std::string& prefix) {
   if (archive_) {
-    return std::make_unique<StagedFiles>(fs::path(), prefix, place_.compression, pool_, nullptr);
+    return std::make_unique<StagedFiles>(place_.root, path().string() + Archive::kSuffix, prefix,
+                                         place_.compression, pool_, nullptr);
   }
   const std::string folder = place_.folder.empty() ? "" : place_.folder + "/";
-  return std::make_unique<StagedFiles>(place_.root, folder + prefix, place_.compression, pool_,
-                                       queue_.get());
+  return std::make_unique<StagedFiles>(place_.root, fs::path(), folder + prefix, place_.compression,
+                                       pool_, queue_.get());
 }
 
 void ObjectStore::keep(std::shared_ptr<StagedFiles> files, Kept kept) {

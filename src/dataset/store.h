@@ -19,6 +19,7 @@
 #include "dataset/archive.h"
 #include "dataset/byte_blocks.h"
 #include "dataset/file_queue.h"
+#include "dataset/held_bytes.h"
 #include "formats/arrays/zip_writer.h"
 
 namespace sherd {
@@ -33,12 +34,13 @@ struct FileRecord {
 /// The files of one fracture while they are packed and written.  take() is thread-safe.
 class StagedFiles : public FileSink {
  public:
-  ///   root     the dataset's folder; empty for an archive
+  ///   root     the dataset's folder
+  ///   archive  that the files go to, of which the folder exists; empty for loose files
   ///   prefix   of every name
   ///   pool     of the files' bytes
   ///   queue    writes loose files; null for an archive
-  StagedFiles(std::filesystem::path root, std::string prefix, FileCompression compression,
-              BlockPool& pool, FileQueue* queue);
+  StagedFiles(std::filesystem::path root, std::filesystem::path archive, std::string prefix,
+              FileCompression compression, BlockPool& pool, FileQueue* queue);
   ~StagedFiles() override;
 
   void take(const std::string& name, const Content& content) override;
@@ -59,15 +61,17 @@ class StagedFiles : public FileSink {
   friend class ObjectStore;
   struct Packed {
     PackedFile file;
-    ByteBlocks bytes;
+    HeldBytes bytes;
   };
+  template <class Action>
+  void onDisk(const Action& action);  // which only the disk can make fail
   FileRecord toDisk(const std::string& name, const Content& content);
   FileRecord toArchive(const std::string& name, const Content& content);
   void waitForAll();
   void appendTo(Archive& archive);     // all of them, ascending by name
   std::vector<FileRecord> recorded();  // [files] ascending by name
 
-  std::filesystem::path root_;
+  std::filesystem::path root_, archive_;
   std::string prefix_;
   FileCompression compression_;
   BlockPool& pool_;

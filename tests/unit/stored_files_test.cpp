@@ -19,6 +19,7 @@
 #include "base/appended_file.h"
 #include "base/atomic_file.h"
 #include "base/random.h"
+#include "base/sha256.h"
 #include "dataset/archive.h"
 #include "dataset/byte_blocks.h"
 #include "dataset/store.h"
@@ -174,6 +175,57 @@ TEST_F(StoredFiles, AreKeptInTheOrderOfTheCalls) {
     for (std::size_t i = 0; i < order.size(); ++i) {
       EXPECT_EQ(order[i], (isArchive ? "" : "ball/") + std::to_string(i) + "/a");
     }
+  }
+}
+
+// Of a large file no more is in memory than HeldBytes::kMost.
+TEST_F(StoredFiles, LargeOnesWaitInATemporaryFile) {
+  const std::string large = noise(HeldBytes::kMost + 12'345, 3), small = noise(1000, 4);
+  for (const bool isArchive : {false, true}) {
+    {
+      ObjectStore store({.root = folder_, .folder = "ball", .isArchive = isArchive}, 100'000);
+      std::shared_ptr<StagedFiles> files = store.stage("");
+      files->take("a", [&](const ByteSink& sink) {
+        for (std::size_t at = 0; at < large.size(); at += 100'000) {
+          sink(std::string_view(large).substr(at, 100'000));
+        }
+      });
+      files->take("b", [&](const ByteSink& sink) { sink(small); });
+      std::vector<FileRecord> records;
+      store.keep(files, [&](KeptFiles kept) { records = std::move(kept.files); });
+      (void)store.finish();
+      ASSERT_EQ(records.size(), 2u);
+      EXPECT_EQ(records[0].bytes, large.size());
+      EXPECT_EQ(records[0].sha256, sha256(large));
+    }
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder_)) {
+      EXPECT_FALSE(isTemporaryName(entry.path().filename().string())) << entry.path();
+    }
+    if (isArchive) {
+      const std::string archive = bytesOf(folder_ / "ball.zip");
+      EXPECT_NE(archive.find(large), archive.npos);
+      EXPECT_NE(archive.find(small), archive.npos);
+    } else {
+      EXPECT_TRUE(bytesOf(folder_ / "ball" / "a") == large);
+      EXPECT_TRUE(bytesOf(folder_ / "ball" / "b") == small);
+    }
+  }
+}
+
+TEST_F(StoredFiles, LargeOnesOfAFailedFractureLeaveNothing) {
+  for (const bool isArchive : {false, true}) {
+    ObjectStore store({.root = folder_, .folder = "ball", .isArchive = isArchive}, 100'000);
+    const std::shared_ptr<StagedFiles> files = store.stage("");
+    EXPECT_THROW(files->take("a",
+                             [](const ByteSink& sink) {
+                               sink(std::string(HeldBytes::kMost + 1, 'x'));
+                               throw Error(ErrorCode::cancelled, "");
+                             }),
+                 Error);
+    EXPECT_FALSE(fs::exists(folder_ / "ball" / "a"));
+  }
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder_)) {
+    EXPECT_FALSE(isTemporaryName(entry.path().filename().string())) << entry.path();
   }
 }
 
