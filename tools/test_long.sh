@@ -29,6 +29,10 @@ SHERD_BIN=$PWD/build/release/sherd /usr/bin/python3 -B tests/long/sample_memory.
 echo "== 200 signals at random moments"
 SHERD_SIGNALS=200 SHERD_BIN=$PWD/build/release/sherd OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/signals_test.py
 
+echo "== objects of all sizes, and a hundred changed files of each layout"
+SHERD_SCALES=all SHERD_BIN=$PWD/build/release/sherd OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/scales_test.py
+SHERD_SWEEP=100 SHERD_BIN=$PWD/build/release/sherd OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/dataset_safety_test.py Changes
+
 echo "== a kill at every call that changes a fracture's folder"
 SHERD_KILLS=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/release/tests/faults/sherd_faults.so \
   OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B tests/cli/kills_test.py

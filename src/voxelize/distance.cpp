@@ -201,7 +201,32 @@ FloatGridPtr copyOf(const FloatGrid& grid) {
   return copy;
 }
 
-void unite(FloatGrid& grid, FloatGrid& other) { openvdb::tools::csgUnion(grid, other); }
+void multiplyValues(FloatGrid& grid, double factor) {
+  const auto times = [factor](float value) {
+    return static_cast<float>(static_cast<double>(value) * factor);
+  };
+  for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+    float* const values = leaf->buffer().data();
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) values[i] = times(values[i]);
+  }
+  auto tiles = grid.tree().beginValueAll();
+  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllIter::LEAF_DEPTH - 1);
+  for (; tiles; ++tiles) tiles.setValue(times(*tiles));
+  auto& root = grid.tree().root();
+  root.setBackground(times(root.background()), /*updateChildNodes=*/false);
+}
+
+// OpenVDB takes values less than 1e-8 apart for equal, and so mistakes -background for background.
+void unite(FloatGrid& grid, FloatGrid& other) {
+  const double voxelSize = frameOf(grid).voxelSize;
+  const double unit = voxelSize < 1e-6 ? std::exp2(std::ilogb(voxelSize)) : 1.0;
+  if (unit != 1.0) {
+    multiplyValues(grid, 1.0 / unit);
+    multiplyValues(other, 1.0 / unit);
+  }
+  openvdb::tools::csgUnion(grid, other);
+  if (unit != 1.0) multiplyValues(grid, unit);
+}
 
 GridFrame frameOf(const FloatGrid& grid) {
   const openvdb::Vec3d origin = grid.transform().indexToWorld(openvdb::Vec3d(0.0));

@@ -32,6 +32,9 @@ using FloatGridPtr = std::shared_ptr<openvdb::FloatGrid>;
 /// compiles the whole class, in eight seconds.
 [[nodiscard]] FloatGridPtr uniformGrid(float value);
 
+/// Multiplies all values of a grid, tiles and background included.
+void multiplyValues(openvdb::FloatGrid& grid, double factor);
+
 /// Makes exterior band voxels inside voxels, at the least depth that an inside voxel may have.
 ///   grid, blocks  of one solid; both are updated
 ///   voxelIndices  of exterior band voxels

@@ -5,7 +5,6 @@ SHERD_BIN names the program; SHERD_SCALES=all tries every shape, surface and sca
 """
 import json
 import os
-import struct
 import unittest
 
 import numpy as np
@@ -108,6 +107,59 @@ class Scales(CommandLine):
                 for exponent in (*SCALES, *EXTREME[1:3]):
                     with self.subTest(shape=name, surface=surface, exponent=exponent):
                         self.assert_same_files(whole, self.fracture(name, exponent, *arguments), exponent)
+
+
+    def test_volumes_are_in_a_unit_that_openvdb_takes(self):
+        import pyopenvdb
+        for exponent in (0, -17, -60):
+            out = self.fracture("ball", exponent, "--write", "vdb,fog", "--vdb", "files")
+            grid = json.loads(self.bytes_of(out, "manifest.json"))["grid"]
+            for level in pyopenvdb.readAll(os.path.join(out, "fragments", "ball_001.vdb"))[0]:
+                unit = level.metadata.get("world_units_per_unit", 1.0)
+                self.assertEqual(unit, grid.get("vdb_unit", 1.0))
+                self.assertEqual(level.transform.voxelSize(), (grid["voxel_size"] / unit,) * 3)
+                self.assertTrue(level.transform.info())  # asks for the matrix
+                self.assertGreaterEqual(level.transform.voxelSize()[0], 2.0 ** -16)
+
+    def test_16_bits_hold_huge_voxels(self):
+        import pyopenvdb
+        out = self.fracture("ball", 40, "--write", "labels,vdb", "--half")
+        unit = json.loads(self.bytes_of(out, "manifest.json"))["grid"]["vdb_unit"]
+        level = pyopenvdb.readAll(os.path.join(out, "fragments", "ball_001.vdb"))[0][0]
+        self.assertTrue(np.isfinite(level.background) and level.background * unit > 2.0 ** 35)
+        again = self.path("again")
+        run = self.run_sherd("fracture", os.path.join(out, "manifest.json"), "--only", "1", "-o", again, "--pieces", "2")
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_other_commands_take_objects_of_any_size(self):
+        known = {}
+
+        def same(key, value):
+            self.assertEqual(known.setdefault(key, value), value, key)
+
+        for exponent in (0, -17, -60):
+            out = self.fracture("torus", exponent, "--write", "labels,mesh,vdb,solid,proxy")
+            for command in ("evaluate", out, "--json"), ("inspect", os.path.join(out, "meshes", "torus_001.ply"), "--json"):
+                run = self.run_sherd(*command)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                report = json.loads(run.stdout)
+                self.assert_scaled(known.setdefault(command[0], report), report, exponent)
+            for number, source in enumerate((out, os.path.join(out, "fragments", "torus_001.vdb"))):
+                image = self.path("image.png")
+                run = self.run_sherd("render", source, "-o", image, "--size", "64x64")
+                self.assertEqual(run.returncode, 0, run.stderr)
+                same(("image", number), self.bytes_of(image))
+            for source, more in (("manifest.json", ("--only", "1")), ("fragments/torus.vdb", ())):
+                again = self.path("again_" + source[-4:] + str(exponent))
+                run = self.run_sherd("fracture", os.path.join(out, source), *more, "-o", again, "--pieces", "3", "--write", "labels,vdb")
+                self.assertEqual(run.returncode, 0, run.stderr)
+                same(source, self.bytes_of(again, "labels.rle"))
+
+    def test_lengths_without_single_precision_are_refused(self):
+        for exponent, words in ((-110, "supported are 1e-30 to 1e+37"), (124, "at most 1e37")):
+            mesh = self.path("ball.obj")
+            write_scaled(mesh, SHAPES["ball"], exponent)
+            self.refused(3, self.run_sherd("fracture", mesh, "-o", self.out, "--resolution", "20"), words)
 
 
 if __name__ == "__main__":

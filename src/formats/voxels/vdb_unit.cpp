@@ -17,23 +17,6 @@ constexpr double kSmallestInFile = 0x1p-16;  // its cube is 3.55e-15
 constexpr double kLargestOfHalf = 0x1p14;    // three of them are 49152
 constexpr double kSmallestUnit = 0x1p-200, kLargestUnit = 0x1p200;
 
-// Multiplies all values, tiles and background included.
-void multiply(FloatGrid& grid, double factor) {
-  const auto times = [factor](float value) {
-    return static_cast<float>(static_cast<double>(value) * factor);
-  };
-  for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
-    float* const values = leaf->buffer().data();
-    for (openvdb::Index i = 0; i < openvdb::FloatTree::LeafNodeType::SIZE; ++i)
-      values[i] = times(values[i]);
-  }
-  auto tiles = grid.tree().beginValueAll();
-  tiles.setMaxDepth(FloatGrid::TreeType::ValueAllIter::LEAF_DEPTH - 1);
-  for (; tiles; ++tiles) tiles.setValue(times(*tiles));
-  auto& root = grid.tree().root();
-  root.setBackground(times(root.background()), /*updateChildNodes=*/false);
-}
-
 }  // namespace
 
 double vdbUnitOf(double voxelSize, bool half) {
@@ -46,7 +29,7 @@ double vdbUnitOf(double voxelSize, bool half) {
 std::shared_ptr<FloatGrid> inVdbUnit(const FloatGrid& levelSet, double unit) {
   const FloatGridPtr copy = copyOf(levelSet);
   setFrame(*copy, inUnit(frameOf(levelSet), unit));
-  multiply(*copy, 1.0 / unit);
+  multiplyValues(*copy, 1.0 / unit);
   return copy;
 }
 
@@ -59,7 +42,7 @@ void intoWorldUnits(FloatGrid& grid) {
     return;  // not ours
   setFrame(grid, inUnit(frameOf(grid), 1.0 / unit));
   grid.removeMeta(kVdbUnit);
-  if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) multiply(grid, unit);
+  if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) multiplyValues(grid, unit);
 }
 
 }  // namespace sherd
