@@ -30,9 +30,10 @@ constexpr double kBeside = 1e-3;  // voxels
 // or two.  Open boxes have 0.4, blades of grass that are strips of triangles 1.
 constexpr double kLooseEdges = 1.5;
 
-// Steps of WorkLimit up to a resolution, some tens of seconds on one core; the area of a surface,
-// in voxels, grows by the square of the resolution.
-constexpr double kMostWork = 3e9, kMostWorkSide = 512.0;
+// Steps of WorkLimit: some tens of seconds on one core, and 20 times what real open meshes need at
+// the least automatic resolution.  Where the resolution is given, it grows with the area of a
+// surface in voxels.
+constexpr double kMostWork = 5e8;
 
 std::string percent(double share) {
   char text[32];
@@ -76,15 +77,17 @@ std::function<bool(const glm::dvec3&)> wound(const SearchedMesh& mesh) {
   };
 }
 
-std::uint64_t mostWork(const TriangleMesh& mesh) {
-  const double larger = std::max(longestSide(bounds(mesh)) / kMostWorkSide, 1.0);
-  return static_cast<std::uint64_t>(kMostWork * larger * larger);
+std::uint64_t mostWork(const TriangleMesh& mesh, const SolidOptions& options) {
+  const bool isGiven = options.resolution != kAutoResolution || options.voxelSize > 0.0;
+  const double larger = longestSide(bounds(mesh)) / kLeastAutoResolution;
+  return static_cast<std::uint64_t>(kMostWork * (isGiven && larger > 1.0 ? larger * larger : 1.0));
 }
 
-Filling windingOf(const SearchedMesh& mesh, const FillChoice& choice, const Progress* progress) {
-  const auto winding = std::make_shared<GeneralizedWinding>(
-      mesh.mesh, mesh.caps, mesh.tree, progress,
-      choice.isLimited ? mostWork(mesh.mesh) : WorkLimit::kNone);
+Filling windingOf(const SearchedMesh& mesh, const FillChoice& choice, const SolidOptions& options,
+                  const Progress* progress) {
+  const std::uint64_t most = choice.isLimited ? mostWork(mesh.mesh, options) : WorkLimit::kNone;
+  const auto winding =
+      std::make_shared<GeneralizedWinding>(mesh.mesh, mesh.caps, mesh.tree, progress, most);
   Filling out{.fill = Fill::winding,
               .reason = choice.reason,
               .surface = mesh.tree,
@@ -178,7 +181,7 @@ Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const Tria
     case Fill::automatic:  // not a choice
       break;
   }
-  return windingOf(mesh, choice, progress);
+  return windingOf(mesh, choice, options, progress);
 }
 
 }  // namespace sherd
