@@ -73,13 +73,24 @@ std::set<int> existingIds(std::span<const int> given, int fragments) {
   return ids;
 }
 
+// Returns [old fragments + 1] the new ids of fragments that are not broken, else 0, and adds them.
+std::vector<std::uint16_t> idsOfKept(int fragments, const std::set<int>& broken,
+                                     std::vector<int>& parents) {
+  std::vector<std::uint16_t> newId(static_cast<std::size_t>(fragments) + 1, 0);
+  for (int id = 1; id <= fragments; ++id) {
+    if (broken.count(id)) continue;
+    parents.push_back(id);
+    newId[static_cast<std::size_t>(id)] = static_cast<std::uint16_t>(parents.size());
+  }
+  return newId;
+}
+
 }  // namespace
 
 GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
                       const FractureOptions& options, Device& device, const Progress* progress) {
   checkOptions(options);
-  const int fragments = read.labels.fragmentCount;
-  const std::set<int> broken = existingIds(only, fragments);
+  const std::set<int> broken = existingIds(only, read.labels.fragmentCount);
   const std::optional<FinishedFracture> connected = withoutIslands(read, broken, device);
   const FinishedFracture& finished = connected ? *connected : read;
   StageClock clock;
@@ -90,12 +101,8 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
   result.components = findComponents(*finished.solid.blocks, device).count();
   result.labels.blocks = finished.solid.blocks;
   result.labels.fragment.assign(finished.labels.fragment.size(), 0);
-  std::vector<std::uint16_t> newId(static_cast<std::size_t>(fragments) + 1, 0);
-  for (int id = 1; id <= fragments; ++id) {
-    if (broken.count(id)) continue;
-    result.parents.push_back(id);
-    newId[static_cast<std::size_t>(id)] = static_cast<std::uint16_t>(result.parents.size());
-  }
+  const std::vector<std::uint16_t> newId =
+      idsOfKept(finished.labels.fragmentCount, broken, result.parents);
   finished.solid.blocks->forEachInside([&](std::size_t voxelIndex) {
     result.labels.fragment[voxelIndex] = newId[finished.labels.fragment[voxelIndex]];
   });
