@@ -35,7 +35,12 @@ std::shared_ptr<const DensityField> gridDensity(std::shared_ptr<const openvdb::F
   return std::make_shared<const DensityField>(
       [grid = std::move(grid), limit](const glm::dvec3& at) {
         const auto values = grid->getConstAccessor();
-        const openvdb::Vec3d index = grid->worldToIndex({at.x, at.y, at.z});
+        openvdb::Vec3d index = grid->worldToIndex({at.x, at.y, at.z});
+        constexpr double kFarthest = 1
+                                     << 30;  // no grid has voxels there, and numbers fit in 32 bits
+        for (int axis = 0; axis < 3; ++axis) {
+          index[axis] = std::clamp(index[axis], -kFarthest, kFarthest);
+        }
         const auto value = static_cast<double>(openvdb::tools::BoxSampler::sample(values, index));
         return std::clamp(value, 0.0, limit);
       },

@@ -5,6 +5,7 @@ SHERD_BIN names the program.  Level sets are written by OpenVDB's own Python mod
 """
 import json
 import os
+import struct
 import subprocess
 import tempfile
 import unittest
@@ -95,6 +96,48 @@ class VolumesTest(unittest.TestCase):
         run = self.sherd("fracture", self.path("empty.rle"), "-o", self.path("out"), code=3)
         self.assertIn("nothing in it is solid", run.stderr)
         self.assertFalse(os.path.exists(self.path("out")))
+
+    def ball(self):
+        """A file of a level set, and where the masks of its first node are: the root's numbers stand behind the background."""
+        ball = vdb.createLevelSetSphere(radius=6.0, center=(8.0, 8.0, 8.0), voxelSize=0.5, halfWidth=3.0)
+        ball.name = "surface"
+        vdb.write(self.path("ball.vdb"), grids=[ball])
+        with open(self.path("ball.vdb"), "rb") as file:
+            content = file.read()
+        root = struct.pack("<ifII", 1, ball.background, 0, 1)
+        self.assertEqual(content.count(root), 1)
+        return content, content.index(root) + len(root) + 12
+
+    def test_damaged_level_sets_are_refused_everywhere(self):
+        content, node = self.ball()
+        masks = bytearray(content)
+        masks[node + 4096:node + 8192] = masks[node:node + 4096]  # children that are active tiles too
+        length = bytearray(content)
+        length[content.index(b"Tree_float") - 1] = 0xff  # a string of 4 GB
+        self.sherd("fracture", self.path("ball.vdb"), "-o", self.path("good"), "--pieces", 2, "--write", "labels,vdb")
+        for damaged, says in (masks, "is damaged near byte .* a child and an active tile"), (length, "ends too early"):
+            for path in self.path("damaged.vdb"), self.path("good", "fragments", "ball_001.vdb"):
+                with open(path, "wb") as file:
+                    file.write(damaged)
+            for command in (("inspect", self.path("damaged.vdb")), ("fracture", self.path("damaged.vdb"), "-o", self.path("out")),
+                            ("render", self.path("damaged.vdb"), "-o", self.path("image.png")),
+                            ("fracture", self.path("good", "manifest.json"), "-o", self.path("out"), "--only", 1),
+                            ("fracture", os.path.join(os.environ["SHERD_DATA"], "amphora.ply"), "-o", self.path("out"),
+                             "--density-attribute", self.path("damaged.vdb"))):
+                self.assertRegex(self.sherd(*command, code=3).stderr, says)
+
+    def test_a_damaged_level_set_does_not_end_a_library(self):
+        content, node = self.ball()
+        os.mkdir(self.path("library"))
+        with open(self.path("library", "b.vdb"), "wb") as file:
+            file.write(content[:node])
+        for name, side in ("a", 1), ("c", 2):
+            with open(self.path("library", name + ".obj"), "w") as file:
+                file.write(box((0, 0, 0), (side, 1, 1)))
+        for options in (), ("--resume",):
+            self.sherd("dataset", self.path("library"), "-o", self.path("out"), "--pieces", "2..2", "--repeats", "1..1", "--resolution", 16, *options)
+            with open(self.path("out", "failures.jsonl")) as file:
+                self.assertRegex(file.read(), r"^\{.*b\.vdb.*is damaged.*\}\n$")
 
     def test_objects_break_by_themselves(self):
         with open(self.path("scene.obj"), "w") as file:

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <random>
 
 #include "formats/voxels/voxel_faces.h"
@@ -158,6 +159,52 @@ TEST_F(VolumeTest, ATileThatStandsForMoreVoxelsThanFitIsRefused) {
   // Its voxels are too many, and so are its faces.
   expectRefusalForMemory(file, {.grid = "", .maxMemory = 500'000'000'000}, ErrorCode::input);
   expectRefusalForMemory(file, {.grid = "", .ownVoxels = false, .maxMemory = 10'000'000'000},
+                         ErrorCode::input);
+}
+
+ErrorCode codeOfReading(const fs::path& file) {
+  try {
+    (void)readVolume(file, {.grid = "", .maxMemory = 1'000'000'000});
+  } catch (const Error& e) {
+    return e.code();
+  }
+  return ErrorCode::internal;
+}
+
+TEST_F(VolumeTest, ValuesThatAreNotFiniteAreRefused) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const auto voxel = sphere(1.0, {0.0f, 0.0f, 0.0f}, 0.05);
+  voxel->tree().setValueOff(openvdb::Coord(0, 0, 19), kNan);
+  EXPECT_EQ(codeOfReading(write("voxel.vdb", {voxel})), ErrorCode::input);
+  const auto tile = sphere(1.0, {0.0f, 0.0f, 0.0f}, 0.05);
+  tile->tree().addTile(1, openvdb::Coord(160, 0, 0), std::numeric_limits<float>::infinity(), false);
+  EXPECT_EQ(codeOfReading(write("tile.vdb", {tile})), ErrorCode::input);
+  const auto background = openvdb::FloatGrid::create(kNan);
+  EXPECT_EQ(codeOfReading(write("background.vdb", {background})), ErrorCode::input);
+  // Only the grid that is read matters.
+  const auto other = openvdb::FloatGrid::create(kNan);
+  other->setName("other");
+  EXPECT_TRUE(
+      readVolume(write("beside.vdb", {sphere(1.0, {0.0f, 0.0f, 0.0f}, 0.05), other})).solid);
+}
+
+TEST_F(VolumeTest, LevelSetsOfOneTreeAreOneSolid) {
+  const auto ball = sphere(1.0, {0.0f, 0.0f, 0.0f}, 0.05);
+  ball->setName("ball");
+  const openvdb::GridBase::Ptr twin = ball->copyGrid();  // shares the tree, also in the file
+  twin->setName("twin");
+  const Volume once = readVolume(write("once.vdb", {ball}));
+  const Volume twice = readVolume(write("twice.vdb", {ball, twin}));
+  ASSERT_TRUE(once.solid && twice.solid);
+  EXPECT_EQ(twice.source.grids.size(), 2u);
+  EXPECT_EQ(twice.solid->voxels, once.solid->voxels);
+}
+
+TEST_F(VolumeTest, ATileInASolidBackgroundIsRefusedForItsFaces) {
+  const auto grid = openvdb::FloatGrid::create(-1.0f);
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->tree().addTile(3, openvdb::Coord(0), 1.0f, true);  // 4096 voxels wide
+  expectRefusalForMemory(write("inverted.vdb", {grid}), {.grid = "", .maxMemory = 1'000'000'000},
                          ErrorCode::input);
 }
 

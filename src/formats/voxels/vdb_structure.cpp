@@ -31,6 +31,10 @@ static_assert(kDelayedLoad.size() == kSkipped.size());
 // OpenVDB copies the metadata of a grid twice while it reads the grid.
 constexpr std::uint64_t kMetadataCopies = 4, kMetadataBytes = 512, kGridBytes = 65536;
 
+// What the check itself notes of names stays small; Sherd writes up to 131,069 grids.
+constexpr std::int32_t kMostGrids = 1 << 18;
+constexpr std::uint32_t kMostMetadata = 1 << 16;
+
 class StructureWalk {
  public:
   StructureWalk(const std::filesystem::path& file, std::span<char> bytes)
@@ -42,7 +46,8 @@ class StructureWalk {
     found.memory = metadata().memory;
     const auto count = in_.number<std::int32_t>();
     constexpr std::uint64_t kLeastGrid = 36;
-    if (count < 0 || !in_.mayHold(static_cast<std::uint64_t>(count), kLeastGrid))
+    if (count < 0 || count > kMostGrids ||
+        !in_.mayHold(static_cast<std::uint64_t>(count), kLeastGrid))
       in_.fail("the file says that it has " + std::to_string(count) + " grids");
     for (std::int32_t i = 0; i < count; ++i) found.grids.push_back(grid());
     connectInstances(found.grids);
@@ -82,7 +87,7 @@ class StructureWalk {
   Metadata metadata() {
     const auto count = in_.number<std::uint32_t>();
     constexpr std::uint64_t kLeast = 12;
-    if (!in_.mayHold(count, kLeast))
+    if (count > kMostMetadata || !in_.mayHold(count, kLeast))
       in_.fail("it says that there are " + std::to_string(count) + " metadata");
     const std::size_t begin = in_.at();
     Metadata found;
