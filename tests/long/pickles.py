@@ -4,12 +4,13 @@
 usage: pickles.py [DAMAGES [SEED]]    (with a Python that has pysherd; 2000 and 0 by default)
 
 Exceptions of pickle itself are counted apart: they come where a damage lies outside of our states, in the operations of pickle, a few tens of
-bytes a pickle, or cuts the pickle's end off.
+bytes a pickle, or moves these: it cuts the end off, or leaves bytes out.
 """
 import collections
 import os
 import pathlib
 import pickle
+import resource
 import sys
 import tempfile
 import warnings
@@ -17,6 +18,7 @@ import warnings
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 import damages  # noqa: E402
 
+MOST_MEMORY = 6 << 30
 GOOD = {"refused", "same", "python", "used", "refused later"}
 
 
@@ -27,6 +29,8 @@ def run_apart(work):
     if pid == 0:
         status = 1
         try:
+            # A damaged operation may have pickle make a table of any size, which is a MemoryError then.
+            resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
             with os.fdopen(write, "w") as out:
                 work(lambda *line: print(*line, sep="\t", file=out, flush=True))
             status = 0

@@ -1,7 +1,7 @@
 """Pickles and damages of them, for test_pickles.py and tests/long/pickles.py.
 
-An outcome of a damaged pickle is "refused" (pysherd.InputError), "same" (an equal object), "python" (an exception of pickle itself, where the
-damage lies outside of our states), else a sentence about what must not be.
+An outcome of a damaged pickle is "refused" (pysherd.InputError), "same" (an equal object), "python" (an exception of pickle itself, or an object
+that is none of ours, where the damage lies outside of our states), else a sentence about what must not be.
 """
 import pickle
 import random
@@ -119,7 +119,10 @@ def outcome(data, is_within, expected):
         return "refused" if "\n" not in str(e) else f"InputError of several lines: {e}"
     except PYTHONS as e:
         return f"{type(e).__name__}: {e}" if is_within or isinstance(e, pysherd.Error) else "python"
-    return "same" if type(value) is type(expected) and content(value) == content(expected) else f"another object: {value!r}"
+    if type(value) is type(expected) and content(value) == content(expected):
+        return "same"
+    is_ours = is_within or type(value).__module__.startswith("pysherd")  # else pickle itself made something else
+    return f"another object: {value!r}" if is_ours else "python"
 
 
 def forged(state, rng):

@@ -41,12 +41,15 @@ def test_what_is_unpickled_is_the_same(subjects, name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_damaged_pickle_is_refused_or_the_same(subjects, name):
-    """tests/long/pickles.py does this 2000 times, each in a process that may crash."""
+    """Where the damage is in our states; tests/long/pickles.py does this 2000 times with all, each in a process that may crash."""
     data = pickle.dumps(subjects[name])
-    places = damages.states_in(data)
-    for number in range(25):
-        found = damages.outcome(*damages.one(data, f"{name} {number}", places), subjects[name])
-        assert found in ("refused", "same", "python"), number
+    places, seen = damages.states_in(data), 0
+    for number in range(40):
+        out, is_within = damages.one(data, f"{name} {number}", places)
+        if is_within:  # else operations of pickle are damaged, which may take any memory
+            assert damages.outcome(out, True, subjects[name]) in ("refused", "same"), number
+            seen += 1
+    assert seen > 5
 
 
 @pytest.mark.parametrize("name", ["textured", "volume", "fracture", "options", "fragment"])
