@@ -216,7 +216,9 @@ class Options(Mapping[str, Any]):
                 values[row.keyword] = text == "true"
             else:
                 values[row.keyword] = _value_of(row, text)
-        return cls(**values)
+        options = cls()
+        options._options = values  # checked before; the file of seeds may be gone
+        return options
 
 
 def _options_again(*state: Any) -> Options:

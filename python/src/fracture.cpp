@@ -287,7 +287,9 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
     std::erase_if(ownGiven, [](const auto& option) {
       return option.first == "pieces" || option.first == "seed";
     });
-    ownGiven.emplace_back("pieces", std::to_string(options[i].pieces));
+    if (!isGiven(given, "seeds")) {  // which have their number
+      ownGiven.emplace_back("pieces", std::to_string(options[i].pieces));
+    }
     ownGiven.emplace_back("seed", std::to_string(options[i].seed));
     all.push_back(freedElsewhere(std::make_unique<GrownPieces>(
         solid, std::move(ownGiven), std::move(own), std::move(grown[i]))));

@@ -104,6 +104,9 @@ GivenOptions optionsOfManifest(const std::string& file) {
     for (std::string part; row.repeats && parts >> part;) given.emplace_back(row.name, part);
     if (!row.repeats) given.emplace_back(row.name, text);
   }
+  if (isGiven(given, "seeds")) {  // which have the number of pieces
+    std::erase_if(given, [](const auto& option) { return option.first == "pieces"; });
+  }
   return given;
 }
 

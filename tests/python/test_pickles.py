@@ -70,6 +70,17 @@ def test_any_arguments_are_refused(ours, state):
         OURS[ours](*state)
 
 
+def test_a_fracture_of_given_seeds_is_saved_and_pickled(subjects, tmp_path):
+    """Its options have no number of pieces, which cannot be given with seeds."""
+    subjects["fracture"].save(tmp_path / "first", write=["seeds", "labels"])
+    f = pysherd.fracture(subjects["fracture"].solid, seeds=tmp_path / "first" / "seeds.json")
+    f.save(tmp_path / "second", write=["labels", "mesh"])
+    assert "pieces" not in f.options and len(f) == 3
+    assert np.array_equal(pickle.loads(pickle.dumps(f)).labels, f.labels)
+    (tmp_path / "first" / "seeds.json").unlink()
+    assert np.array_equal(pysherd.load(tmp_path / "second").labels, f.labels)
+
+
 def test_another_version_is_named(subjects):
     state = bytearray(subjects["arrays"]._core.state)
     state[7] = 9
