@@ -34,7 +34,7 @@ from ._library import library_of
 from ._options import ROWS, documented_text
 from ._order import Order, Share, given_ranks, items_of_rank, share_of
 from ._solid import DEVICE, checked_device
-from ._values import flag, whole, word
+from ._values import flag, shown, whole, word
 
 __all__ = ["FractureDataset", "collate", "collate_fragments"]
 
@@ -272,8 +272,7 @@ FractureDataset.__doc__ = documented_text(FractureDataset.__doc__, ACCEPTED)
 
 def collate(items: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Makes a batch of items: arrays become tensors with an axis more, strings lists; arrays of different shapes lists of tensors."""
-    if not items:
-        raise UsageError("items: there are none to make a batch of")
+    _check_items(items)
     return {key: _stacked([item[key] for item in items]) for key in items[0]}
 
 
@@ -286,10 +285,16 @@ def collate_fragments(items: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         ``positions`` and ``normals`` (fragments, points, 3), ``neighbor`` (fragments, points), and ``item`` (fragments,): whose
         fragment each is.  The others as `collate` has them.
     """
+    _check_items(items)
     joined = {key: torch.from_numpy(np.concatenate([item[key] for item in items])) for key in ("positions", "normals", "neighbor")}
     counts = torch.tensor([item["fragments"] for item in items])
     others = [{key: value for key, value in item.items() if key not in joined} for item in items]
     return {**joined, "item": torch.repeat_interleave(torch.arange(len(items)), counts), **collate(others)}
+
+
+def _check_items(items: Any) -> None:
+    if not isinstance(items, Sequence) or not items or not all(isinstance(item, Mapping) for item in items):
+        raise UsageError(f"items: {shown(items)} is no list of items, one or more")
 
 
 def _stacked(values: list[Any]) -> Any:

@@ -11,7 +11,7 @@ from test_hostile import HOSTILE, spelled, tried
 
 import pysherd
 from pysherd._drawn import ACCEPTED
-from pysherd.torch import FractureDataset, collate
+from pysherd.torch import FractureDataset, collate, collate_fragments
 
 OWN = [name for name, p in inspect.signature(FractureDataset).parameters.items() if p.kind is p.KEYWORD_ONLY]
 
@@ -39,8 +39,10 @@ def test_arguments(value):
 def test_meshes_without_an_end():
     with pytest.raises(pysherd.UsageError, match="^meshes: an iterator of more than 1048576"):
         FractureDataset(itertools.repeat("a.ply"))
-    with pytest.raises(pysherd.UsageError, match="^items: there are none"):
-        collate([])
+    for of in (collate, collate_fragments):
+        for items in ([], 3, None, [3], {}, itertools.count(), "ab"):
+            with pytest.raises(pysherd.UsageError, match="^items: "):
+                of(items)
 
 
 def test_paths_of_any_bytes(tmp_path):
