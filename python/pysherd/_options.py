@@ -185,8 +185,10 @@ class Options(Mapping[str, Any]):
     """
 
     def __init__(self, **options: Any) -> None:
-        given(options)
-        self._options = {k: v for k, v in options.items() if v is not None}
+        # An iterator is gone through once, and the options may be used any number of times.
+        kept = {k: tuple(items_of(k, v)) if isinstance(v, Iterator) else v for k, v in options.items() if v is not None}
+        given(kept)
+        self._options: dict[str, Any] = kept
 
     def __getitem__(self, keyword: str) -> Any:
         return self._options[keyword]

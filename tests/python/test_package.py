@@ -137,6 +137,8 @@ def test_defaults_are_accepted():
 def test_options_are_a_mapping():
     options = pysherd.Options(pieces=3, roughness=None)
     assert dict(options) == {"pieces": 3} and len(options) == 1 and options == pysherd.Options(pieces=3)
+    impacts = pysherd.Options(impact=(point for point in [(0, 0, 1), (0, 1, 0)]))
+    assert impacts["impact"] == ((0, 0, 1), (0, 1, 0)) and pickle.loads(pickle.dumps(impacts)) == impacts
     assert repr(options) == "Options(pieces=3)" and pickle.loads(pickle.dumps(options)) == options
     with pytest.raises(pysherd.UsageError):
         pysherd.Options(piece=3)
