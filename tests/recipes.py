@@ -5,8 +5,7 @@
     `include/sherd/labels.h`, before `int balance = 0;`:   ... goes before the one line that has this text, or `after` it
     `src/grow/shares.cpp`, in place of `std::ceil(`:       ... replaces the text, which is there once
 
-usage: recipes.py files DOCUMENT FOLDER    write the new files below a folder; those that are there as they are stay untouched
-       recipes.py apply DOCUMENT FOLDER    write them into a copy of the sources, and put the other blocks in their places
+usage: recipes.py DOCUMENT FOLDER    write the new files below a folder; those that are there as they are stay untouched
 """
 import dataclasses
 import pathlib
@@ -48,22 +47,28 @@ def edited(source, block):
     return source[:line] + block.text + source[line:]
 
 
-def write(folder, block):
-    path = folder / block.file
-    if path.exists() and path.read_text() == block.text:
+def made(document, text_of):
+    """The files that the examples make or change, with their texts: {name: text}.
+
+    text_of    returns the text of a file of the sources
+    """
+    files = {}
+    for block in blocks(document):
+        files[block.file] = block.text if block.how == "new" else edited(files.get(block.file) or text_of(block.file), block)
+    return files
+
+
+def write(path, text):
+    if path.exists() and path.read_text() == text:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(block.text)
+    path.write_text(text)
 
 
-def main(action, document, folder):
-    folder = pathlib.Path(folder)
+def main(document, folder):
     for block in blocks(pathlib.Path(document).read_text()):
         if block.how == "new":
-            write(folder, block)
-        elif action == "apply":
-            path = folder / block.file
-            path.write_text(edited(path.read_text(), block))
+            write(pathlib.Path(folder, block.file), block.text)
 
 
 if __name__ == "__main__":

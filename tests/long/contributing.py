@@ -7,6 +7,7 @@ FOLDER is where the copy is made and stays, by default a temporary one.  The opt
 draws, docs/cli.md and the schema of manifests; the rule gives the same labels on both devices; the format is read.
 """
 import csv
+import filecmp
 import json
 import os
 import pathlib
@@ -20,6 +21,8 @@ import time
 import jsonschema
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+import recipes  # noqa: E402
 
 
 def run(*command, status=0, **environment):
@@ -31,12 +34,15 @@ def run(*command, status=0, **environment):
 
 def copied(copy):
     """Makes the copy; files that are there as they are stay untouched, so that a second run builds little."""
+    made = recipes.made((ROOT / "CONTRIBUTING.md").read_text(), lambda name: (ROOT / name).read_text())
     for name in run("git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard").split("\0"):
-        if not name or not (ROOT / name).is_file():
+        if not name or not (ROOT / name).is_file() or name in made:
             continue
-        (copy / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(ROOT / name, copy / name)
-    run(ROOT / "tests/recipes.py", "apply", ROOT / "CONTRIBUTING.md", copy)
+        if not (copy / name).exists() or not filecmp.cmp(ROOT / name, copy / name, shallow=False):
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, copy / name)
+    for name, text in made.items():
+        recipes.write(copy / name, text)
 
 
 def option(copy, folder):
