@@ -62,6 +62,14 @@ struct FractureInput {
   std::vector<int> only{};                     ///< ids, as in refracture
 };
 
+/// Refuses to break and write what would not fit: the mesh, as requireMemory of it does, and
+/// points, distance samples and correspondences, by the name of their option.  These are made in
+/// blocks; only PointSampler::poisson, PointRule::perTriangle, `.binp` and distances take memory
+/// for each.
+///   throws  Error(usage) with the resolution, or the number, that fits
+void requireMemory(const FractureInput& input, const FractureOptions& options,
+                   const WriteOptions& write, std::uint64_t limit);
+
 /// The result of fractureInto.
 struct WrittenFracture {
   FractureResult result;  ///< fragments without the members that fractureInto frees

@@ -5,6 +5,8 @@
 #include <sherd/fracture.h>
 #include <sherd/points.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -70,6 +72,9 @@ struct WriteOptions {
                              ///< fragment's is derived from the fracture's
   bool sharePoints = false;  ///< points.count is the total, distributed by the fragments' areas
   std::vector<PointFormat> pointFormats{PointFormat::ply};
+  std::uint64_t samplingMemory = std::uint64_t{256}
+                                 << 20;  ///< bytes that the points of several fragments take at
+                                         ///< once; one fragment's may take more, see requireMemory
   DistanceOptions distances{};      ///< sdf/STEM_001.npz, and sdf/STEM.npz of the intact solid, if
                                     ///< count > 0; a `sigma` of 0 is the voxel size; `seed` as for
                                     ///< points
@@ -97,6 +102,11 @@ struct WriteOptions {
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
 };
+
+/// Returns WriteOptions::samplingMemory for a limit on all memory.
+[[nodiscard]] inline std::uint64_t samplingMemoryOf(std::uint64_t limit) {
+  return std::clamp<std::uint64_t>(limit / 8, std::uint64_t{64} << 20, std::uint64_t{1} << 30);
+}
 
 /// All options of a fracture: how it breaks, and what it writes.
 struct RunOptions {

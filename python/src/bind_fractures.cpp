@@ -89,6 +89,12 @@ struct AllPoints {
 
 AllPoints joined(std::vector<sherd::SurfacePoints> each) {
   AllPoints all;
+  std::size_t count = 0;
+  for (const sherd::SurfacePoints& own : each) count += own.positions.size();
+  all.fragment.reserve(count);
+  all.positions.reserve(count);
+  all.normals.reserve(count);
+  all.neighbor.reserve(count);
   for (std::size_t i = 0; i < each.size(); ++i) {
     sherd::SurfacePoints& own = each[i];
     all.fragment.insert(all.fragment.end(), own.positions.size(),

@@ -5,11 +5,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "appearance/source_faces.h"
 #include "base/memory.h"
+#include "base/memory_gate.h"
 #include "base/uncancelled.h"
 #include "points/check_points.h"
+#include "points/point_sequence.h"
 #include "points/sample_surface.h"
 #include "process.h"
 #include "surface/simplify.h"
@@ -85,10 +88,33 @@ const HandedArrays& Fracture::arrays(std::size_t i) {
   return arrays;
 }
 
+namespace {
+
+// Refuses more points than memory holds: as they are sampled, and as arrays.
+//   counts  of each fragment
+//   return  bytes that are left for sampling them
+std::uint64_t memoryForSampling(const std::vector<std::size_t>& counts,
+                                sherd::PointOptions options) {
+  constexpr std::uint64_t kPerPoint = 2 * 52;
+  const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  options.count = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+  const std::uint64_t needed = kPerPoint * all + samplingMemory(options);
+  const std::uint64_t free = sherd::freeMemory();
+  if (needed > free) {
+    throw sherd::memoryError("sampling " + std::to_string(all) + " points on " +
+                                 std::to_string(counts.size()) + " fragments",
+                             needed, free, sherd::OptionNames{"points"});
+  }
+  return free - needed;
+}
+
+}  // namespace
+
 std::vector<sherd::SurfacePoints> Fracture::points(PointChoice choice, const Progress& progress) {
   choice.points.seed = seed();
   sherd::checkPointOptions(choice.points);
   const std::vector<std::size_t> counts = pointCounts(*this, choice, progress);
+  sherd::MemoryGate gate(memoryForSampling(counts, choice.points) / 2);
   std::vector<sherd::SurfacePoints> points(count());
   const auto sampleEach = [&](const auto& surfaceOf) {
     sherd::reportProgress(&progress, "points", 0.0);
@@ -98,8 +124,9 @@ std::vector<sherd::SurfacePoints> Fracture::points(PointChoice choice, const Pro
       options.count = counts[i];
       sherd::uncancelled([&] {
         const auto id = static_cast<int>(i) + 1;
-        points[i] =
-            sherd::checkedPoints(samplePoints(surfaceOf(i), pointOptionsOf(options, id)), id);
+        const sherd::MemoryGate::Hold memory(gate, samplingMemory(options));
+        points[i] = samplePoints(surfaceOf(i), pointOptionsOf(options, id));
+        sherd::requireFinite(points[i], id);
       });
     });
     sherd::reportProgress(&progress, "points", 1.0);

@@ -51,6 +51,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
   prepareDevice(arguments.machine);
   DatasetOptions& options = arguments.options;
   options.maxMemory = arguments.machine.memory();
+  options.each.write.samplingMemory = samplingMemoryOf(options.maxMemory);
   const auto threads = limitedThreads(arguments.machine);
   keepFreedMemory();
   Device device(arguments.machine.device);

@@ -121,11 +121,6 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   return input;
 }
 
-MeshesHeld meshesHeld(const WriteOptions& write) {
-  if (write.needsAllMeshes()) return MeshesHeld::all;
-  return write.preview ? MeshesHeld::preview : MeshesHeld::some;
-}
-
 // Returns the file's name, with the object's name if `source` is one object of the file.
 std::string titled(const std::string& file, const SourceMesh& source) {
   return source.objects.size() == 1 ? file + ", " + inQuotes(source.objects.front()) : file;
@@ -138,13 +133,11 @@ StagedFracture breakInput(const FractureArguments& arguments, Input& input,
                           const Progress& progress) {
   const RunOptions& run = arguments.run;
   try {
-    if (!input.finished && !input.solid) {
-      requireMemory(source.mesh, run.fracture, run.volume.maxMemory, meshesHeld(run.write));
-    }
     FractureInput part{.source = source,
                        .solid = std::move(input.solid),
                        .finished = input.finished ? &*input.finished : nullptr,
                        .only = arguments.only};
+    requireMemory(part, run.fracture, run.write, run.volume.maxMemory);
     return stageFracture(folder, std::move(part), run.fracture, device, run.write, &progress);
   } catch (const Error& e) {
     const std::optional<GivenSeeds>& given = run.fracture.seeds.given;
@@ -367,6 +360,7 @@ void addSelection(CLI::App& command, FractureArguments& arguments) {
 // Records what was given on the command line.
 void setGiven(const CLI::App& command, FractureArguments& arguments) {
   arguments.run.volume.maxMemory = arguments.machine.memory();
+  arguments.run.write.samplingMemory = samplingMemoryOf(arguments.run.volume.maxMemory);
   const bool isGiven = command.count("--voxel-size") > 0 ||
                        (command.count("--resolution") > 0 &&
                         arguments.run.fracture.solid.resolution != kAutoResolution);

@@ -35,8 +35,10 @@
 #include "dataset/thumbnails.h"
 #include "folder/fracture_files.h"
 #include "folder/viewer_file.h"
+#include "folder/write_memory.h"
 #include "formats/arrays/npz.h"
 #include "pipeline/fracture_stages.h"
+#include "pipeline/memory_estimate.h"
 
 namespace sherd {
 namespace {
@@ -112,11 +114,18 @@ class ObjectRun {
       base.solid.resolution = kLeastAutoResolution;  // voxels resolve no thinner walls
     }
     requireMemory(source.mesh, base, options_.maxMemory);
+    const WriteOptions& write = options_.each.write;
+    requireSampleMemory(
+        write, base.pieces, options_.maxMemory,
+        [&](std::uint64_t enough) {
+          return estimatedMemoryWithin(source.mesh, base, MeshesHeld::all, enough);
+        },
+        heldBytes());
     PreparedSolid ready = timed("voxelize", [&] {
       return prepared(voxelize(source.mesh, base.solid, &progress_), run_.device);
     });
     base.solid.voxelSize = ready.solid.frame.voxelSize;
-    memory_ = estimatedMemory(source.mesh, base);
+    memory_ = estimatedMemory(source.mesh, base) + sampleMemory(write, base.pieces, heldBytes());
     if (keepsIntactSurface(ready.solid)) ready.surface = intactSurface(ready.solid);
     const FractureWriter writer(source, options_.each.write);
     source_ = &source;
@@ -221,6 +230,14 @@ class ObjectRun {
     if (failure.empty() || std::exchange(hasWarned_, true)) return;
     run_.warning(object_.file.string() + ": " + failure +
                  ", so fragments have the smooth surface instead of the exact one");
+  }
+
+  // Bytes in memory for each byte of a fragment's file: loose files are compressed whole, and pfpp
+  // has the points of up to kPfppParts fragments in one file.
+  std::uint64_t heldBytes() const {
+    if (options_.layout == DatasetLayout::pfpp) return kPfppParts + 1;
+    const bool isLoose = options_.layout != DatasetLayout::packed;
+    return isLoose && options_.compression != FileCompression::none ? 2 : 0;
   }
 
   // Bridges stalls of the disk; small beside the memory of fractures.

@@ -48,7 +48,10 @@ bool hasSourceFaces(const WriteOptions& write) {
 }  // namespace
 
 FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
-    : source_(source), options_(write), table_(materialTable(source.appearance)) {
+    : source_(source),
+      options_(write),
+      table_(materialTable(source.appearance)),
+      memory_(write.samplingMemory) {
   const bool hasMeshes = write.mesh || write.scene || write.usd || write.houdini || write.viewer;
   const bool hasFaces =
       hasSourceFaces(write) && !source.mesh.triangles.empty() && !isVolumeName(source.name);
@@ -140,7 +143,8 @@ void FractureWriting::writeMeshes(std::size_t i) {
     if (!attributes_.empty()) attributes_[i] = std::move(attributes);
   }
   if (!files_.points.empty() && !write.sharePoints) {
-    writePointsOf(folder_, files_.points[i], result_, i, write.points.count, options_.seed, write);
+    writePointsOf(folder_, files_.points[i], result_, i, write.points.count, options_.seed, write,
+                  writer_.memory());
   }
   for (std::size_t k = 0; !files_.coarse.empty() && k < files_.coarse[i].size(); ++k) {
     const TriangleMesh& coarse = fragment.coarse[k];
@@ -176,7 +180,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
         sharedCounts(result_, result_.kept(), write.points.count);
     tbb::parallel_for(std::size_t{0}, counts.size(), [&](std::size_t i) {
       throwIfCancelled(progress);
-      writePointsOf(folder_, files_.points[i], result_, i, counts[i], options_.seed, write);
+      writePointsOf(folder_, files_.points[i], result_, i, counts[i], options_.seed, write,
+                    writer_.memory());
     });
   }
   throwIfCancelled(progress);
@@ -196,8 +201,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
   }
   throwIfCancelled(progress);
   if (!files_.correspondences.empty()) {
-    writeCorrespondences(folder_ / files_.correspondences,
-                         sampleCorrespondences(kept(), write.correspondences, options_.seed));
+    writeAllCorrespondences(folder_ / files_.correspondences, kept(), write.correspondences,
+                            options_.seed);
   }
   reportProgress(progress, "write", 1.0);
   if (!files_.preview.empty()) {

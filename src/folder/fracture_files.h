@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "appearance/transfer.h"
+#include "base/memory_gate.h"
 #include "folder/manifest.h"
 #include "folder/mesh_writer.h"
 #include "formats/mesh/materials.h"
@@ -27,6 +28,9 @@ class FractureWriter {
     return attributes_ ? &*attributes_ : nullptr;
   }
 
+  /// Of points of all fragments and fractures that are written at once.
+  [[nodiscard]] MemoryGate& memory() const { return memory_; }
+
   /// Writes the files with a name in `files`, without the manifest.
   ///   return  sentences about what they leave out
   ///   throws  what writeFracture throws
@@ -39,6 +43,7 @@ class FractureWriter {
   const WriteOptions& options_;
   MaterialTable table_;
   std::optional<AttributeSource> attributes_;
+  mutable MemoryGate memory_;
 };
 
 /// Writes one fracture while its fragments are made: begin, write, finish.  Holds references to the

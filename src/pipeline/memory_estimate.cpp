@@ -223,8 +223,26 @@ std::uint64_t estimatedMemory(const TriangleMesh& mesh, const FractureOptions& o
       bytesFor(extent, mesh.triangles.size(), options, held, voxelSize));
 }
 
+std::uint64_t estimatedMemoryWithin(const TriangleMesh& mesh, const FractureOptions& options,
+                                    MeshesHeld held, std::uint64_t enough) {
+  const SolidOptions& solid = options.solid;
+  if (solid.voxelSize == 0.0 && solid.resolution == kAutoResolution) {
+    FractureOptions highest = options;
+    highest.solid.resolution = kMostAutoResolution;
+    const std::uint64_t most = estimatedMemory(mesh, highest, held);
+    if (most <= enough) return most;
+  }
+  return estimatedMemory(mesh, options, held);
+}
+
 std::uint64_t estimatedMemory(double surface, double inside) {
   return static_cast<std::uint64_t>(bytesForVoxels(surface, inside));
+}
+
+std::uint64_t estimatedMemory(const Solid& solid) {
+  const auto inside = static_cast<double>(solid.voxels);
+  const double side = std::cbrt(inside);
+  return estimatedMemory(std::cbrt(36.0 * std::numbers::pi) * side * side, inside);
 }
 
 void requireMemory(const TriangleMesh& mesh, const FractureOptions& options, std::uint64_t limit,

@@ -8,10 +8,11 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "base/cancel_flag.h"
 #include "base/formatted.h"
 #include "base/half_float.h"
 #include "base/random.h"
-#include "mesh/surface_by_area.h"
+#include "points/distance_sequence.h"
 #include "seed/irwin_hall.h"
 
 namespace sherd {
@@ -24,7 +25,7 @@ double rounded(double value, SampleType type) {
 
 double largestOf(SampleType type) { return type == SampleType::float16 ? kLargestHalf : 0x1p127; }
 
-void check(const DistanceOptions& options) {
+const DistanceOptions& checked(const DistanceOptions& options) {
   if (options.count > kMaxPoints) {
     throw Error(ErrorCode::usage, std::to_string(options.count) + " distance samples; at most " +
                                       std::to_string(kMaxPoints) + " are supported");
@@ -33,6 +34,7 @@ void check(const DistanceOptions& options) {
     throw Error(ErrorCode::usage, "the standard deviation of distance samples is " +
                                       formatted("%g", options.sigma) + ", expected above 0");
   }
+  return options;
 }
 
 /// The mesh's box, widened on all sides.
@@ -58,38 +60,70 @@ void requireRoom(const Box& box, const DistanceOptions& options) {
 
 }  // namespace
 
+DistanceSequence::DistanceSequence(const TriangleMesh& mesh, const DistanceOptions& options,
+                                   const Progress* progress)
+    : options_(checked(options)),
+      progress_(progress),
+      surface_(mesh),
+      box_(boxAround(mesh, options)),
+      distance_(mesh) {
+  requireRoom(box_, options);
+}
+
+glm::dvec3 DistanceSequence::position(std::size_t i) const {
+  const std::uint64_t seed = options_.seed;
+  glm::dvec3 p;
+  if (i % 2 == 0) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double share =
+          randomUnit(seed, Stage::spacePosition, 3 * i + static_cast<std::uint64_t>(axis));
+      p[axis] = box_.min[axis] + share * (box_.max[axis] - box_.min[axis]);
+    }
+  } else {
+    const std::size_t t = surface_.triangleAt(randomUnit(seed, Stage::spaceSurface, 3 * i));
+    // The mean of n uniforms has a standard deviation of 1 / sqrt(12 n), here 1 / 12.
+    const double normal = 12.0 * meanOfUniforms(kNormalTerms, seed, Stage::spaceOffset, i);
+    const SurfaceTriangle triangle = surface_.at(t);
+    p = triangle.pointIn(randomUnit(seed, Stage::spaceSurface, 3 * i + 1),
+                         randomUnit(seed, Stage::spaceSurface, 3 * i + 2)) +
+        (i % 4 == 1 ? 1.0 : 3.0) * options_.sigma * normal * triangle.normal();
+  }
+  for (int axis = 0; axis < 3; ++axis) p[axis] = rounded(p[axis], options_.type);
+  return p;
+}
+
+std::vector<glm::dvec3> DistanceSequence::positions(std::size_t first, std::size_t end) const {
+  std::vector<glm::dvec3> positions;
+  positions.reserve(end - first);
+  for (std::size_t i = first; i < end; ++i) positions.push_back(position(i));
+  return positions;
+}
+
+DistanceSamples DistanceSequence::samples(std::size_t first, std::size_t end) const {
+  DistanceSamples samples{positions(first, end), {}, options_.type};
+  samples.distances =
+      signedDistances(distance_, samples.positions, first, options_.count, progress_);
+  return samples;
+}
+
+DistanceBlocks DistanceSequence::blocks() const {
+  const auto each = [this](const auto& visit) {
+    forEachBlock(options_.count,
+                 [&](std::size_t first, std::size_t end) { visit(samples(first, end)); });
+  };
+  const auto eachPositions = [this](const auto& visit) {
+    forEachBlock(options_.count, [&](std::size_t first, std::size_t end) {
+      throwIfCancelled(progress_);
+      visit(positions(first, end));
+    });
+  };
+  return {{options_.count, each}, eachPositions, options_.type};
+}
+
 DistanceSamples sampleDistances(const TriangleMesh& mesh, const DistanceOptions& options,
                                 const Progress* progress) {
-  check(options);
-  DistanceSamples samples{{}, {}, options.type};
-  if (options.count == 0) return samples;
-  const SurfaceByArea surface(mesh);
-  const Box box = boxAround(mesh, options);
-  requireRoom(box, options);
-  const std::uint64_t seed = options.seed;
-  samples.positions.reserve(options.count);
-  for (std::size_t i = 0; i < options.count; ++i) {
-    glm::dvec3 p;
-    if (i % 2 == 0) {
-      for (int axis = 0; axis < 3; ++axis) {
-        const double share =
-            randomUnit(seed, Stage::spacePosition, 3 * i + static_cast<std::uint64_t>(axis));
-        p[axis] = box.min[axis] + share * (box.max[axis] - box.min[axis]);
-      }
-    } else {
-      const std::size_t t = surface.triangleAt(randomUnit(seed, Stage::spaceSurface, 3 * i));
-      // The mean of n uniforms has a standard deviation of 1 / sqrt(12 n), here 1 / 12.
-      const double normal = 12.0 * meanOfUniforms(kNormalTerms, seed, Stage::spaceOffset, i);
-      const SurfaceTriangle triangle = surface.at(t);
-      p = triangle.pointIn(randomUnit(seed, Stage::spaceSurface, 3 * i + 1),
-                           randomUnit(seed, Stage::spaceSurface, 3 * i + 2)) +
-          (i % 4 == 1 ? 1.0 : 3.0) * options.sigma * normal * triangle.normal();
-    }
-    for (int axis = 0; axis < 3; ++axis) p[axis] = rounded(p[axis], options.type);
-    samples.positions.push_back(p);
-  }
-  samples.distances = signedDistances(mesh, samples.positions, progress);
-  return samples;
+  if (checked(options).count == 0) return {{}, {}, options.type};
+  return DistanceSequence(mesh, options, progress).samples(0, options.count);
 }
 
 }  // namespace sherd

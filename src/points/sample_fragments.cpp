@@ -26,7 +26,8 @@ std::vector<SurfacePoints> samplePoints(const FragmentSurfaces& surfaces,
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     if (stop.isSet()) return;
     const auto id = static_cast<std::uint16_t>(i + 1);
-    points[i] = checkedPoints(samplePoints(surfaces.byArea(id), pointOptionsOf(options, id)), id);
+    points[i] = samplePoints(surfaces.byArea(id), pointOptionsOf(options, id));
+    requireFinite(points[i], id);
   });
   stop.throwIfSet();
   return points;

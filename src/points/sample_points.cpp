@@ -3,7 +3,6 @@
 #include <sherd/points.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -11,118 +10,10 @@
 
 #include "base/random.h"
 #include "mesh/surface_by_area.h"
-#include "points/eliminate.h"
+#include "points/point_sequence.h"
 #include "points/sample_surface.h"
-#include "seed/radical_inverse.h"
 
 namespace sherd {
-namespace {
-
-/// A sampled point: a triangle, and a position in the unit square (see SurfaceTriangle::pointIn).
-struct Draw {
-  std::size_t triangle = 0;
-  double u = 0.0, v = 0.0;
-};
-
-std::vector<Draw> drawUniform(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed,
-                              Stage stage) {
-  std::vector<Draw> draws(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t t = surface.triangleAt(randomUnit(seed, stage, 3 * i));
-    draws[i] = {t, randomUnit(seed, stage, 3 * i + 1), randomUnit(seed, stage, 3 * i + 2)};
-  }
-  return draws;
-}
-
-/// Scrambled Halton sequences of bases 2, 3 and 5: numbers in [0, 1) of about 40 bits.
-class Halton {
- public:
-  explicit Halton(std::uint64_t seed)
-      : a(2, 40, seed, Stage::pointDigit),
-        b(3, 25, seed, Stage::pointDigit),
-        c(5, 17, seed, Stage::pointDigit) {}
-
-  RadicalInverse a, b, c;
-};
-
-std::vector<Draw> drawHalton(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed) {
-  const Halton halton(seed);
-  std::vector<Draw> draws(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    draws[i] = {surface.triangleAt(halton.a.at(i)), halton.b.at(i), halton.c.at(i)};
-  }
-  return draws;
-}
-
-std::vector<Draw> drawPoisson(const SurfaceByArea& surface, std::size_t count, std::uint64_t seed) {
-  const std::vector<Draw> draws =
-      drawUniform(surface, count * kCandidatesPerPoint, seed, Stage::pointCandidate);
-  std::vector<glm::dvec3> candidates;
-  candidates.reserve(draws.size());
-  for (const Draw& draw : draws) {
-    candidates.push_back(surface.at(draw.triangle).pointIn(draw.u, draw.v));
-  }
-  std::vector<Draw> kept;
-  kept.reserve(count);
-  // Rounded to 24 bits, so that areas that were summed in another order give the same points.
-  int exponent = 0;
-  const double mantissa = std::frexp(surface.area(), &exponent);
-  const double area = std::ldexp(std::round(std::ldexp(mantissa, 24)), exponent - 24);
-  for (const std::size_t i : eliminated(candidates, count, area)) {
-    kept.push_back(draws[i]);
-  }
-  return kept;
-}
-
-/// The triangle of each point by the paper's rule, ascending; at least `count` of them, as the
-/// parts are rounded up.
-std::vector<std::size_t> atLeastOneEach(const SurfaceByArea& surface, std::size_t count) {
-  std::vector<std::size_t> triangles;
-  for (std::size_t t = 0; t < surface.triangles(); ++t) {
-    const double share = surface.area(t) / surface.area();
-    if (share == 0.0) continue;
-    const double own = std::ceil(share * static_cast<double>(count));
-    triangles.insert(triangles.end(), std::max<std::size_t>(1, static_cast<std::size_t>(own)), t);
-  }
-  // Rounding of the shares can lose at most the last point.
-  if (triangles.size() < count) triangles.resize(count, triangles.back());
-  return triangles;
-}
-
-std::vector<Draw> drawPerTriangle(const SurfaceByArea& surface, const PointOptions& options) {
-  const std::vector<std::size_t> triangles = atLeastOneEach(surface, options.count);
-  std::vector<std::size_t> order(triangles.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const Halton halton(options.seed);
-  const bool even = options.sampler == PointSampler::halton;
-  std::vector<Draw> draws(options.count);
-  for (std::size_t i = 0; i < options.count; ++i) {  // a partial Fisher-Yates shuffle
-    std::swap(order[i],
-              order[i + randomBelow(order.size() - i, options.seed, Stage::pointShuffle, i)]);
-    const std::size_t n = order[i], t = triangles[n];
-    const double u =
-        even ? halton.b.at(n) : randomUnit(options.seed, Stage::pointPosition, 3 * n + 1);
-    const double v =
-        even ? halton.c.at(n) : randomUnit(options.seed, Stage::pointPosition, 3 * n + 2);
-    draws[i] = {t, u, v};
-  }
-  return draws;
-}
-
-std::vector<Draw> draw(const SurfaceByArea& surface, const PointOptions& options) {
-  if (options.rule == PointRule::perTriangle) return drawPerTriangle(surface, options);
-  switch (options.sampler) {
-    case PointSampler::uniform:
-      break;
-    case PointSampler::halton:
-      return drawHalton(surface, options.count, options.seed);
-    case PointSampler::poisson:
-      return drawPoisson(surface, options.count, options.seed);
-  }
-  return drawUniform(surface, options.count, options.seed, Stage::pointPosition);
-}
-
-}  // namespace
 
 void checkPointOptions(const PointOptions& options) {
   if (options.count > kMaxPoints) {
@@ -137,17 +28,7 @@ void checkPointOptions(const PointOptions& options) {
 }
 
 SurfacePoints samplePoints(const SurfaceByArea& surface, const PointOptions& options) {
-  SurfacePoints points;
-  points.positions.reserve(options.count);
-  points.normals.reserve(options.count);
-  points.neighbor.reserve(options.count);
-  for (const Draw& d : draw(surface, options)) {
-    const SurfaceTriangle triangle = surface.at(d.triangle);
-    points.positions.push_back(triangle.pointIn(d.u, d.v));
-    points.normals.push_back(triangle.normal());
-    points.neighbor.push_back(triangle.neighbor);
-  }
-  return points;
+  return PointSequence(surface, options).points(0, options.count);
 }
 
 SurfacePoints samplePoints(const TriangleMesh& mesh, const PointOptions& options) {

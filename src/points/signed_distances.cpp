@@ -4,13 +4,12 @@
 
 #include <algorithm>
 
-#include "mesh/mesh_distance.h"
+#include "points/distance_sequence.h"
 
 namespace sherd {
 
-std::vector<double> signedDistances(const TriangleMesh& mesh, std::span<const glm::dvec3> points,
-                                    const Progress* progress) {
-  const MeshDistance surface(mesh);
+std::vector<double> signedDistances(const MeshDistance& surface, std::span<const glm::dvec3> points,
+                                    std::size_t first, std::size_t all, const Progress* progress) {
   std::vector<double> distances(points.size());
   const auto measure = [&](std::size_t i) {
     const double distance = surface.distance(points[i]);
@@ -18,12 +17,17 @@ std::vector<double> signedDistances(const TriangleMesh& mesh, std::span<const gl
   };
   // In batches, so that the calling thread can report progress and be cancelled in between.
   constexpr std::size_t kBatch = 65536;
-  for (std::size_t first = 0; first < points.size(); first += kBatch) {
+  for (std::size_t begin = 0; begin < points.size(); begin += kBatch) {
     reportProgress(progress, "distances",
-                   static_cast<double>(first) / static_cast<double>(points.size()));
-    tbb::parallel_for(first, std::min(first + kBatch, points.size()), measure);
+                   static_cast<double>(first + begin) / static_cast<double>(all));
+    tbb::parallel_for(begin, std::min(begin + kBatch, points.size()), measure);
   }
   return distances;
+}
+
+std::vector<double> signedDistances(const TriangleMesh& mesh, std::span<const glm::dvec3> points,
+                                    const Progress* progress) {
+  return signedDistances(MeshDistance(mesh), points, 0, points.size(), progress);
 }
 
 }  // namespace sherd

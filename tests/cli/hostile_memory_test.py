@@ -9,6 +9,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import struct
 import subprocess
 import tempfile
@@ -97,6 +98,66 @@ class SmallPiecesTest(unittest.TestCase):
             run.returncode = os.waitstatus_to_exitcode(status)
             self.assertEqual(run.returncode, 0)
             self.assertLess(used.ru_maxrss * 1024, estimate)
+
+
+class SamplesTest(unittest.TestCase):
+    """Points, correspondences and distance samples are made in blocks, or refused by the names of their options."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.words = [SHERD, "fracture", block(self.folder.name), "-o", os.path.join(self.folder.name, "out"), "--pieces", "2", "--resolution", "32",
+                      "--write", "labels", "--quiet"]
+
+    def peak(self, words):
+        """Bytes."""
+        run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
+        said = run.stderr.read()
+        run.stderr.close()
+        _, status, used = os.wait4(run.pid, 0)
+        run.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(run.returncode, 0, said)
+        return used.ru_maxrss * 1024
+
+    def test_take_no_more_the_more_they_are(self):
+        """300,000 more points would take 60 MB more on two fragments, at 100 bytes each, and so would the others."""
+        for few, many in ((["--points", "300000"], ["--points", "600000"]),
+                          (["--points", "300000", "--point-format", "npz"], ["--points", "600000", "--point-format", "npz"]),
+                          (["--correspondences", "300000"], ["--correspondences", "600000"])):
+            with self.subTest(many=many):
+                self.assertLess(self.peak(self.words + many), self.peak(self.words + few) + 20_000_000)
+
+    def test_are_refused_by_name_with_the_number_that_fits(self):
+        limit = 225_000_000
+        words = self.words + ["--point-sampler", "poisson", "--max-memory", str(limit), "--points"]
+        refused = subprocess.run([*words, "10000000"], capture_output=True, text=True)
+        self.assertEqual(refused.returncode, 2, refused.stderr)
+        fits = re.search(r"(\d+) points on a fragment fit beside the fracture; one with 10000000 takes up to [\d.]+ GB of memory, and 0.225 GB may be "
+                         r"used \(--points, --max-memory\)", refused.stderr)
+        self.assertIsNotNone(fits, refused.stderr)
+        self.assertGreater(int(fits[1]), 10_000)
+        self.assertLess(self.peak([*words, fits[1]]), limit)
+
+    def test_of_a_dataset_are_refused_by_name(self):
+        library = os.path.join(self.folder.name, "library")
+        os.mkdir(library)
+        block(library)
+        run = subprocess.run([SHERD, "dataset", library, "-o", os.path.join(self.folder.name, "set"), "--pieces", "2", "--resolution", "32",
+                              "--repeats", "1", "--points", "10000000", "--point-sampler", "poisson", "--max-memory", "1G"], capture_output=True, text=True)
+        self.assertRegex(run.stderr, r"block.obj failed: \d+ points on a fragment fit .*\(--points, --max-memory\)")
+
+    def test_of_a_dataset_go_to_the_disk(self):
+        """Of 42 MB in a file no more is held than of 20; in an archive too."""
+        library = os.path.join(self.folder.name, "library")
+        os.mkdir(library)
+        block(library)
+        for layout in "sherd", "packed":
+            words = [SHERD, "dataset", library, "-o", os.path.join(self.folder.name, layout), "--layout", layout, "--pieces", "2", "--resolution", "32",
+                     "--repeats", "1", "--write", "labels", "--quiet", "--points"]
+            with self.subTest(layout=layout):
+                few = self.peak([*words, "700000"])
+                shutil.rmtree(os.path.join(self.folder.name, layout))
+                self.assertLess(self.peak([*words, "1500000"]), few + 20_000_000)
 
 
 class HostileMemoryTest(unittest.TestCase):

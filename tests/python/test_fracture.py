@@ -139,6 +139,12 @@ def test_points_are_shared_by_area(fracture):
     assert np.allclose(np.linalg.norm(points.normals, axis=1), 1)
 
 
+def test_more_points_than_memory_holds_are_refused():
+    f = pysherd.fracture(cube(2.0), pieces=1000, seed=1, resolution=32)
+    with pytest.raises(pysherd.UsageError, match=r"sampling 10000000000 points on 1000 fragments takes up to 1\.04e\+03 GB of memory, and [\d.]+ GB may be used"):
+        f.points(10_000_000)
+
+
 def test_points_of_meshes_with_surfaces_of_their_own(amphora):
     f = pysherd.fracture(amphora, pieces=3, interface="independent")
     assert len(f.points(20).positions) == 60

@@ -326,8 +326,8 @@ TEST(FiniteNumbers, AreRequiredOfFragmentsContactsPointsAndManifests) {
     EXPECT_NO_THROW(checkFinite(contacts));
     contacts[6][0].centroid.y = bad;
     refuses([&] { checkFinite(contacts); }, "contact");
-    refuses([&] { (void)checkedPoints({{{0, bad, 0}}, {{0, 0, 1}}, {0}}, 7); }, "point");
-    refuses([&] { (void)checkedPoints({{{0, 0, 0}}, {{bad, 0, 1}}, {0}}, 7); }, "normal");
+    refuses([&] { requireFinite({{{0, bad, 0}}, {{0, 0, 1}}, {0}}, 7); }, "point");
+    refuses([&] { requireFinite({{{0, 0, 0}}, {{bad, 0, 1}}, {0}}, 7); }, "normal");
     try {
       (void)jsonText({{"a", {{"b", {1.0, bad}}}}}, -1);
       ADD_FAILURE();

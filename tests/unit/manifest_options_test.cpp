@@ -189,7 +189,8 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, viewer, usd,
          houdini, plainMeshes, proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats,
          meshFormats, usdFormats, usdVolumes, jointStrength, metersPerUnit, points, sharePoints,
-         pointFormats, distances, correspondences, precision, sourceFaces, up] = write_;
+         pointFormats, samplingMemory, distances, correspondences, precision, sourceFaces, up] =
+      write_;
   // Which files there are is in the list of files, their formats in their names.
   for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &viewer}) {
     expectNotRecorded("a file", *file, !*file);
@@ -227,6 +228,7 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   expectNotRecorded("points.seed", pointSeed, std::uint64_t{9});  // made from the fracture's
   expectRecorded("sharePoints", sharePoints, true);
   expectRecorded("pointFormats", pointFormats, {PointFormat::npz});
+  expectNotRecorded("samplingMemory", samplingMemory, std::uint64_t{1});  // changes no file
 
   distances.count = 10;
   auto& [samples, type, sigma, sampleSeed] = distances;

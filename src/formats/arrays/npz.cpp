@@ -27,8 +27,8 @@ std::string npyHeader(const NpyArray& array) {
 namespace {
 
 // Keeps the .npz below 4 GiB, which every ZIP reader supports.
-void requireRoom(const ZipWriter& zip, const PackedFile& file) {
-  if (zip.offset() + file.bytes.size() + file.name.size() > 0xffffff00u) {
+void requireRoom(const ZipWriter& zip, const PackedFile& file, std::uint64_t bytes) {
+  if (zip.offset() + bytes + file.name.size() > 0xffffff00u) {
     throw Error(ErrorCode::output, "an .npz file holds at most 4 GiB; try .rle");
   }
 }
@@ -42,6 +42,19 @@ void NpzWriter::store(const NpyArray& array) {
   }));
 }
 
+PackedFile storedFile(const NpyArray& array) {
+  PackedFile file{array.name + ".npy", false, 0, 0, {}};
+  addStored(file, npyHeader(array));
+  return file;
+}
+
+void NpzWriter::store(const NpyArray& array, const Content& numbers, const PackedFile& summed) {
+  requireRoom(zip_, summed, summed.size);
+  zip_.begin(summed, summed.size);
+  sink_(npyHeader(array));
+  numbers(sink_);
+}
+
 void NpzWriter::deflate(const NpyArray& array, const Content& numbers) {
   add(packed(array.name + ".npy", true, [&](const ByteSink& sink) {
     sink(npyHeader(array));
@@ -50,7 +63,7 @@ void NpzWriter::deflate(const NpyArray& array, const Content& numbers) {
 }
 
 void NpzWriter::add(const PackedFile& file) {
-  requireRoom(zip_, file);
+  requireRoom(zip_, file, file.bytes.size());
   zip_.add(file);
 }
 

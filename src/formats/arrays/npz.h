@@ -30,12 +30,21 @@ struct NpyArray {
 ///   throws  Error(output)
 void writeNpz(const OutputFile& file, std::span<const NpyArray> arrays);
 
+/// Returns the file of a stored array, summed up to its numbers; addStored adds those.
+[[nodiscard]] PackedFile storedFile(const NpyArray& array);
+
 /// Writes a ZIP file of `.npy` files, one after another.
 class NpzWriter {
  public:
-  explicit NpzWriter(ByteSink sink) : zip_(std::move(sink)) {}
+  explicit NpzWriter(ByteSink sink) : sink_(sink), zip_(std::move(sink)) {}
 
   void store(const NpyArray& array);
+
+  /// Adds a stored array whose numbers need not fit in memory.
+  ///   array    its `bytes` are ignored
+  ///   numbers  writes the numbers to a sink
+  ///   summed   storedFile(array), with the numbers added
+  void store(const NpyArray& array, const Content& numbers, const PackedFile& summed);
 
   /// Adds a deflated array; its numbers need not fit in memory.
   ///   array    its `bytes` are ignored
@@ -49,6 +58,7 @@ class NpzWriter {
  private:
   void add(const PackedFile& file);
 
+  ByteSink sink_;
   ZipWriter zip_;
 };
 

@@ -134,8 +134,7 @@ PackedFile packed(std::string name, bool deflate, const Content& content, const 
   std::optional<Deflater> deflater;
   if (deflate) deflater.emplace(to);
   content([&](std::string_view bytes) {
-    file.sum = addTo(file.sum, bytes);
-    file.size += bytes.size();
+    addStored(file, bytes);
     if (deflater) {
       deflater->take(bytes);
     } else {
@@ -144,6 +143,11 @@ PackedFile packed(std::string name, bool deflate, const Content& content, const 
   });
   if (deflater) deflater->finish();
   return file;
+}
+
+void addStored(PackedFile& file, std::string_view bytes) {
+  file.sum = addTo(file.sum, bytes);
+  file.size += bytes.size();
 }
 
 void ZipWriter::add(const PackedFile& file) {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace sherd {
 
@@ -22,6 +23,9 @@ struct PackedFile {
 /// The same, with the packed bytes passed to a sink instead of PackedFile::bytes.
 [[nodiscard]] PackedFile packed(std::string name, bool deflate, const Content& content,
                                 const ByteSink& to);
+
+/// Adds bytes of a stored file to its sum and its size.
+void addStored(PackedFile& file, std::string_view bytes);
 
 /// Writes a ZIP file, one packed file after another; uses ZIP64 where 32 bits are too few.
 class ZipWriter {

@@ -172,37 +172,41 @@ class TreeReader {
 
 }  // namespace
 
-OctreeStream octreeStream(std::span<const glm::dvec3> points, const std::string& name) {
-  if (points.empty()) inputError(name, "a .binp needs at least one point");
-  glm::dvec3 low = points.front(), high = low;
-  for (const glm::dvec3& p : points) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(std::abs(p[axis]) < 1e300)) inputError(name, "a .binp needs finite points");
-      low[axis] = std::min(low[axis], p[axis]);
-      high[axis] = std::max(high[axis], p[axis]);
+OctreeStream octreeStream(const Blocks<SurfacePoints>& points, const std::string& name) {
+  if (points.count == 0) inputError(name, "a .binp needs at least one point");
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  points.forEach([&](const SurfacePoints& block) {
+    for (const glm::dvec3& p : block.positions) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!(std::abs(p[axis]) < 1e300)) inputError(name, "a .binp needs finite points");
+        low[axis] = std::min(low[axis], p[axis]);
+        high[axis] = std::max(high[axis], p[axis]);
+      }
     }
-  }
+  });
   const double longest = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
   const double voxel = voxelSizeFor(longest);
   int depth = 1;
   while (std::floor(longest / voxel) >= 1 << depth) ++depth;
   std::vector<std::uint64_t> codes;
-  codes.reserve(points.size());
-  for (const glm::dvec3& p : points) {
-    std::array<std::uint64_t, 3> key{};
-    for (int axis = 0; axis < 3; ++axis) {
-      key[static_cast<std::size_t>(axis)] =
-          static_cast<std::uint64_t>(std::floor((p[axis] - low[axis]) / voxel));
+  codes.reserve(points.count);
+  points.forEach([&](const SurfacePoints& block) {
+    for (const glm::dvec3& p : block.positions) {
+      std::array<std::uint64_t, 3> key{};
+      for (int axis = 0; axis < 3; ++axis) {
+        key[static_cast<std::size_t>(axis)] =
+            static_cast<std::uint64_t>(std::floor((p[axis] - low[axis]) / voxel));
+      }
+      codes.push_back(interleaved(key));
     }
-    codes.push_back(interleaved(key));
-  }
+  });
   std::sort(codes.begin(), codes.end());
   codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
   std::string tree;
   storeTree(codes, 3 * (depth - 1), tree);
   const Frequencies frequencies = frequenciesOf(tree);
 
-  OctreeStream stream{std::string(kMagic), points.size() - codes.size(), voxel};
+  OctreeStream stream{std::string(kMagic), points.count - codes.size(), voxel};
   std::string& bytes = stream.bytes;
   storeLittle(bytes, std::uint32_t{1});
   bytes.append("\1\1\0", 3);  // a whole frame, of voxels' centers, without colors

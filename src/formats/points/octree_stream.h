@@ -2,10 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <glm/vec3.hpp>
-#include <span>
 #include <string>
-#include <vector>
+
+#include "points/blocks.h"
 
 namespace sherd {
 
@@ -19,9 +18,10 @@ struct OctreeStream {
 /// Encodes points as the centers of their voxels, in the octree's order. A voxel is 1e-4 wide, as
 /// in the paper's data set; its width is multiplied by ten until the longest side has fewer than
 /// 2^21 voxels, or divided by ten, down to 1e-6, while it has fewer than 2^10.
+///   points  made twice, so that no more than a block of them is held
 ///   name    for messages
 ///   throws  Error(input) no points, or not finite
-[[nodiscard]] OctreeStream octreeStream(std::span<const glm::dvec3> points,
+[[nodiscard]] OctreeStream octreeStream(const Blocks<SurfacePoints>& points,
                                         const std::string& name);
 
 }  // namespace sherd
