@@ -148,13 +148,14 @@ void writeOwnSums(const fs::path& out, const OwnSums& before,
 }
 
 std::vector<std::string> changedOwnFiles(const fs::path& out, bool absentToo) {
+  if (!isOwnFile(out, kSumsName)) return {};
   const std::vector<NamedSum> lines = linesIn(out);
-  if (lines.empty()) return {};
   std::vector<std::string> sentences;
   std::set<std::string> unlisted = ownFiles(out);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const NamedSum& line = lines[i];
-    if (line.name.empty()) {
+    const bool isInOrder = i == 0 || lines[i - 1].name < line.name;
+    if (line.name.empty() || !isInOrder) {
       sentences.push_back(std::string(kSumsName) + ":" + std::to_string(i + 1) + ": is damaged");
     } else if (!isOwnFile(out, line.name)) {
       if (absentToo) sentences.push_back(line.name + ": is absent, or a symbolic link leads there");

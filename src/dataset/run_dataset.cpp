@@ -189,6 +189,15 @@ class LibraryRun {
   std::optional<Error> deviceError_;  // of the last object
 };
 
+DatasetSummary summaryOfShard(const DatasetProgress& progress) {
+  DatasetSummary summary;
+  summary.objects = progress.objects;
+  summary.fractures = progress.fractures;
+  summary.fragments = progress.fragments;
+  summary.complete = false;
+  return summary;
+}
+
 }  // namespace
 
 DatasetSummary runDataset(const fs::path& library, const fs::path& out, const DatasetOptions& given,
@@ -232,11 +241,7 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
         if (callbacks.warning) callbacks.warning(warning);
       }
     } else {
-      const DatasetProgress& progress = run.progress();
-      summary.objects = progress.objects;
-      summary.fractures = progress.fractures;
-      summary.fragments = progress.fragments;
-      summary.complete = false;
+      summary = summaryOfShard(run.progress());
     }
   } catch (const Error&) {
     try {
