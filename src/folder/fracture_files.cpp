@@ -186,7 +186,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
   }
   throwIfCancelled(progress);
   if (!files_.scene.empty() || !files_.usd.empty()) {
-    meshes_.writeScenes(kept(), attributes_, result_.labels.splits, files_, progress);
+    meshes_.writeScenes(kept(), attributes_, result_.labels.splits, files_,
+                        result_.solid.frame.voxelSize, progress);
   }
   if (!files_.houdini.empty()) {
     meshes_.writeHoudini(kept(), attributes_, result_.labels.splits, files_.houdini, progress);

@@ -8,6 +8,7 @@
 #include "formats/mesh/geo.h"
 #include "formats/mesh/piece_mesh.h"
 #include "formats/mesh/usd.h"
+#include "formats/voxels/vdb_unit.h"
 
 namespace sherd {
 
@@ -72,7 +73,7 @@ std::vector<std::string> MeshWriter::namesOf(std::span<const Fragment> fragments
 FragmentScene MeshWriter::sceneOf(std::span<const Fragment> fragments,
                                   std::span<const SurfaceAttributes> attributes,
                                   std::span<const std::string> names, std::span<const Split> splits,
-                                  const FractureFiles& files) const {
+                                  const FractureFiles& files, double voxelSize) const {
   const SplitParents parents = parentsOf(splits, fragments.size());
   FragmentScene scene{.name = stem_,
                       .parentOfSplit = parents.ofSplit,
@@ -90,7 +91,8 @@ FragmentScene MeshWriter::sceneOf(std::span<const Fragment> fragments,
          .mass = fragment.mass,
          .contacts = fragment.contacts,
          .split = parents.ofFragment[static_cast<std::size_t>(fragment.id - 1)],
-         .volume = options_.usdVolumes && !files.vdb.empty() ? files.vdb[i] : std::string()});
+         .volume = options_.usdVolumes && !files.vdb.empty() ? files.vdb[i] : std::string(),
+         .volumeUnit = vdbUnitOf(voxelSize, options_.vdbOptions.half)});
   }
   return scene;
 }
@@ -98,9 +100,9 @@ FragmentScene MeshWriter::sceneOf(std::span<const Fragment> fragments,
 void MeshWriter::writeScenes(std::span<const Fragment> fragments,
                              std::span<const SurfaceAttributes> attributes,
                              std::span<const Split> splits, const FractureFiles& files,
-                             const Progress* progress) const {
+                             double voxelSize, const Progress* progress) const {
   const std::vector<std::string> names = namesOf(fragments);
-  const FragmentScene scene = sceneOf(fragments, attributes, names, splits, files);
+  const FragmentScene scene = sceneOf(fragments, attributes, names, splits, files, voxelSize);
   if (!files.scene.empty()) writeSceneGlb(folder_ / files.scene, scene, progress);
   for (std::size_t i = 0; i < files.usd.size(); ++i) {
     const OutputFile file = folder_ / files.usd[i];

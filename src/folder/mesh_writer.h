@@ -37,9 +37,10 @@ class MeshWriter {
   /// Writes all fragments as scenes: one .glb, and USD in all formats.
   ///   attributes  [fragments] attributesOf their meshes
   ///   splits      of the fracture, the withheld fragments' included
+  ///   voxelSize   of the level sets in the .vdb files
   void writeScenes(std::span<const Fragment> fragments,
                    std::span<const SurfaceAttributes> attributes, std::span<const Split> splits,
-                   const FractureFiles& files, const Progress* progress) const;
+                   const FractureFiles& files, double voxelSize, const Progress* progress) const;
 
   /// Writes all fragments as polygons of one file for Houdini.
   ///   attributes  [fragments] attributesOf their meshes
@@ -56,7 +57,7 @@ class MeshWriter {
   FragmentScene sceneOf(std::span<const Fragment> fragments,
                         std::span<const SurfaceAttributes> attributes,
                         std::span<const std::string> names, std::span<const Split> splits,
-                        const FractureFiles& files) const;
+                        const FractureFiles& files, double voxelSize) const;
 
   const OutputFolder& folder_;
   const MaterialTable& table_;

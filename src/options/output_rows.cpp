@@ -100,8 +100,8 @@ const Row kPointRows[]{
      .group = "Points",
      .value = V::choice(kDistances, &DistanceOptions::type, names::kSampleType),
      .help = "Number type of these files",
-     .details = "type of these numbers; 16 bits need a mesh near the origin, and one that "
-                "reaches beyond 65504 is refused",
+     .details = "type of these numbers; 16 bits need a mesh near the origin; one that reaches "
+                "beyond 65504, or whose longest side is under 6.1e-5, is refused",
      .key = "sdf.type",
      .recorded = samplesDistances,
      .needs = "sdf-samples"},

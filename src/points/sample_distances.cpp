@@ -52,6 +52,12 @@ void requireRoom(const Box& box, const DistanceOptions& options) {
   const glm::dvec3 far = glm::max(glm::abs(box.min), glm::abs(box.max));
   const double farthest = std::max({far.x, far.y, far.z, glm::length(box.max - box.min)});
   const double reach = farthest + 18.0 * options.sigma;
+  constexpr double kSmallestNormalHalf = 0x1p-14;
+  if (options.type == SampleType::float16 && longestSide(box) < kSmallestNormalHalf) {
+    throw Error(ErrorCode::usage, "distance samples of a mesh " +
+                                      formatted("%g", longestSide(box)) +
+                                      " long lose their digits in float16; use float32");
+  }
   if (reach < largestOf(options.type)) return;
   throw Error(ErrorCode::usage, "distance samples reach to " + formatted("%g", reach) +
                                     ", beyond the range of their type; use float32, or move the "

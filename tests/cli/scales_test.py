@@ -5,6 +5,7 @@ SHERD_BIN names the program; SHERD_SCALES=all tries every shape, surface and sca
 """
 import json
 import os
+import re
 import unittest
 
 import numpy as np
@@ -120,6 +121,18 @@ class Scales(CommandLine):
                 self.assertEqual(level.transform.voxelSize(), (grid["voxel_size"] / unit,) * 3)
                 self.assertTrue(level.transform.info())  # asks for the matrix
                 self.assertGreaterEqual(level.transform.voxelSize()[0], 2.0 ** -16)
+
+    def test_usd_scales_its_volumes(self):
+        for exponent in (0, -30):
+            out = self.fracture("ball", exponent, "--write", "vdb,usd", "--usd-volumes")
+            unit = json.loads(self.bytes_of(out, "manifest.json"))["grid"].get("vdb_unit", 1.0)
+            volumes = self.bytes_of(out, "scene.usda").decode().split('def Volume "volume"')[1:]
+            self.assertEqual(len(volumes), 4)
+            for volume in volumes:
+                scale = re.search(r"double3 xformOp:scale = \((\S+), (\S+), (\S+)\)", volume)
+                self.assertEqual({float(x) for x in scale.groups()} if scale else {1.0}, {unit})
+                order = re.search(r"xformOpOrder = \[(.*)\]", volume)[1]
+                self.assertEqual(order, '"xformOp:translate"' + (', "xformOp:scale"' if scale else ""))
 
     def test_16_bits_hold_huge_voxels(self):
         import pyopenvdb

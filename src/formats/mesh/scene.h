@@ -21,8 +21,9 @@ struct ScenePiece {
   MassProperties mass;
   std::span<const Contact> contacts;  ///< those with fragments that are not in the scene are left
                                       ///< out
-  std::size_t split = 0;  ///< that it comes from, 1..FragmentScene::parentOfSplit; 0: none
-  std::string volume{};   ///< file of its level set, relative to the scene's; or empty
+  std::size_t split = 0;    ///< that it comes from, 1..FragmentScene::parentOfSplit; 0: none
+  std::string volume{};     ///< file of its level set, relative to the scene's; or empty
+  double volumeUnit = 1.0;  ///< world units that one of the file's stands for
 };
 
 struct FragmentScene {

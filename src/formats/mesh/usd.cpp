@@ -20,6 +20,12 @@
 namespace sherd {
 namespace {
 
+// In single precision; 0, for which simulators compute it, where that is infinite.
+float single(double value) {
+  const auto rounded = static_cast<float>(value);
+  return std::isfinite(rounded) ? rounded : 0.0f;
+}
+
 // USDZ has no ZIP64; below 2^32 by what the directory may take.
 constexpr std::uint64_t kMostOfArchive = std::numeric_limits<std::uint32_t>::max() - (1 << 20);
 
@@ -102,9 +108,10 @@ class Layer {
                "\n    prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsMassAPI\"]\n");
     text_.line("point3f physics:centerOfMass = (0, 0, 0)");
     text_.line("float3 physics:diagonalInertia = " +
-               usdVector(glm::vec3(scene_.density * inertia.moments)));
-    text_.line(
-        usdNumber("float physics:mass", static_cast<float>(scene_.density * own.mass.volume)));
+               usdVector(glm::vec3(single(scene_.density * inertia.moments.x),
+                                   single(scene_.density * inertia.moments.y),
+                                   single(scene_.density * inertia.moments.z))));
+    text_.line(usdNumber("float physics:mass", single(scene_.density * own.mass.volume)));
     text_.line("quatf physics:principalAxes = " + usdRotation(inertia.orientation));
     text_.line("double3 xformOp:translate = " + usdVector(own.mass.centroid));
     text_.line("double3 xformOp:translate:apart");  // a value here would hide the variants'
@@ -116,15 +123,18 @@ class Layer {
     text_.close();
   }
 
-  // The level set, whose grid is in the coordinates of the input.
+  // The level set, whose grid is in the coordinates of the input, in the file's unit.
   void volume(std::size_t i) {
     const ScenePiece& own = scene_.pieces[i];
     text_.open("def Volume", "volume");
-    text_.line(usdExtent(own.piece.mesh, glm::dvec3(0.0)));
+    const double unit = own.volumeUnit;
+    text_.line(usdExtent(own.piece.mesh, glm::dvec3(0.0), unit));
     text_.line("rel field:surface = <" + paths_[i] + "/volume/surface>");
     text_.line("token visibility = \"invisible\"");
     text_.line("double3 xformOp:translate = " + usdVector(-own.mass.centroid));
-    text_.line("uniform token[] xformOpOrder = [\"xformOp:translate\"]");
+    if (unit != 1.0) text_.line("double3 xformOp:scale = " + usdVector(glm::dvec3(unit)));
+    text_.line(std::string("uniform token[] xformOpOrder = [\"xformOp:translate\"") +
+               (unit == 1.0 ? "]" : ", \"xformOp:scale\"]"));
     text_.open("def OpenVDBAsset", "surface");
     text_.line("token fieldName = \"surface\"");
     text_.line("asset filePath = " + usdAsset("./" + own.volume));

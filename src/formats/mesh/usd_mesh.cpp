@@ -123,11 +123,11 @@ class MeshPrim {
 
 }  // namespace
 
-std::string usdExtent(const TriangleMesh& mesh, const glm::dvec3& origin) {
+std::string usdExtent(const TriangleMesh& mesh, const glm::dvec3& origin, double unit) {
   glm::vec3 low(std::numeric_limits<float>::infinity()), high(-low);
   for (const glm::dvec3& v : mesh.vertices) {
-    low = glm::min(low, glm::vec3(v - origin));
-    high = glm::max(high, glm::vec3(v - origin));
+    low = glm::min(low, glm::vec3((v - origin) / unit));
+    high = glm::max(high, glm::vec3((v - origin) / unit));
   }
   return "float3[] extent = [" + usdVector(low) + ", " + usdVector(high) + "]";
 }

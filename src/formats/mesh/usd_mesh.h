@@ -11,7 +11,9 @@ namespace sherd {
 
 /// Returns the line of a prim's box, that of a mesh.
 ///   origin  of the prim, in the mesh's coordinates
-[[nodiscard]] std::string usdExtent(const TriangleMesh& mesh, const glm::dvec3& origin);
+///   unit    of the prim, in that of the mesh
+[[nodiscard]] std::string usdExtent(const TriangleMesh& mesh, const glm::dvec3& origin,
+                                    double unit = 1.0);
 
 /// Writes a mesh as a prim with a convex hull as its collider, and its faces' materials as subsets.
 ///   origin        of the prim, in the mesh's coordinates
