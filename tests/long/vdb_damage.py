@@ -34,12 +34,11 @@ for line in sys.stdin:
     how, path = line.rstrip("\\n").split(" ", 1)
     try:
         if how == "load":
-            fracture = pysherd.load(path)
-            fracture.render(size=32) if hasattr(fracture, "render") else len(fracture)
+            [fragment.vertices for fragment in pysherd.load(path)]
         else:
             pysherd.voxelize(path, resolution=24)
         print("read", flush=True)
-    except pysherd.InputError:
+    except (pysherd.InputError, pysherd.FileError):
         print("refused", flush=True)
     except Exception as error:
         print("wrong", type(error).__name__, str(error)[:200], flush=True)
