@@ -200,6 +200,14 @@ TEST_F(VolumeTest, LevelSetsOfOneTreeAreOneSolid) {
   EXPECT_EQ(twice.solid->voxels, once.solid->voxels);
 }
 
+TEST_F(VolumeTest, VoxelsTooFarApartForTheirBoxAreRefused) {
+  const auto grid = sphere(1.0, {0.0f, 0.0f, 0.0f}, 0.05);
+  grid->tree().setValueOn(openvdb::Coord(4000, 4000, 4000), -0.01f);
+  EXPECT_TRUE(readVolume(write("near.vdb", {grid})).solid);
+  grid->tree().setValueOn(openvdb::Coord(100'000, 100'000, 100'000), -0.01f);
+  EXPECT_EQ(codeOfReading(write("far.vdb", {grid})), ErrorCode::input);
+}
+
 TEST_F(VolumeTest, ATileInASolidBackgroundIsRefusedForItsFaces) {
   const auto grid = openvdb::FloatGrid::create(-1.0f);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);

@@ -74,6 +74,21 @@ double isovalueOf(const NamedGrid& grid, const VolumeOptions& options) {
   return grid.isLevelSet ? 0.0 : options.isovalue;
 }
 
+// Files of labels hold the box of the solid, most of which may be empty: two voxels far apart would
+// take hours.
+void requireBox(const fs::path& file, const Solid& solid) {
+  if (solid.voxels == 0) return;
+  double voxels = 1.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    voxels *= static_cast<double>(solid.box.max[axis]) - solid.box.min[axis] + 1.0;
+  }
+  constexpr double kMost = 1e12;
+  if (voxels > kMost) {
+    inputError(file, "its voxels lie in a box of more than 1e12 voxels; choose a resolution",
+               OptionNames{"resolution"});
+  }
+}
+
 void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volume,
                const Progress* progress) {
   std::vector<NamedGrid> grids = chosenGrids(file, options);
@@ -113,6 +128,7 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
   }
   for (std::size_t i = 1; i < grids.size(); ++i) unite(*grids.front().grid, *grids[i].grid);
   volume.solid = solidOf(*grids.front().grid);
+  requireBox(file, *volume.solid);
 }
 
 void readLabels(const fs::path& file, const VolumeOptions& options, Volume& volume,
