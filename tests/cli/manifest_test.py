@@ -65,7 +65,7 @@ class Manifests(CommandLine):
 
         self.assertEqual(manifests.faults_of(self.manifest), [])
         optional = {"report", "resolution", "fill", "vdb", "mesh", "plain_meshes", "up", "file_vertices", "vertices", "triangles",
-                    "degenerate_triangles"}
+                    "degenerate_triangles", "thinnest_voxels", "resolution_to_hold"}
         for keys in objects(self.manifest):
             more = self.changed(lambda manifest: at(manifest, keys).update(foreign=1))
             self.assertNotEqual(manifests.faults_of(more), [], keys)
@@ -73,6 +73,23 @@ class Manifests(CommandLine):
                 less = self.changed(lambda manifest: at(manifest, keys).pop(key))
                 if key not in optional:
                     self.assertNotEqual(manifests.faults_of(less), [], (*keys, key))
+
+    def test_the_schema_refuses_null_for_a_number(self):
+        """JSON has it for what is not a finite number."""
+        def numbers(value, at=()):
+            for key, below in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
+                if isinstance(below, (int, float)):
+                    yield (*at, key)
+                yield from numbers(below, (*at, key))
+
+        found = list(numbers(self.manifest))
+        self.assertGreater(len(found), 100)
+        for *keys, key in found[::7]:
+            def change(manifest):
+                for step in keys:
+                    manifest = manifest[step]
+                manifest[key] = None
+            self.assertNotEqual(manifests.faults_of(self.changed(change)), [], (*keys, key))
 
     def test_texts_that_are_no_manifests(self):
         deep = '{"schema": "sherd/2", "a": ' + "[" * 100000 + "]" * 100000 + "}"
