@@ -129,7 +129,7 @@ struct LeafBlocks {
 
 /// How the inside of a mesh is found.
 enum class Fill {
-  automatic,  ///< winding, or shell if the mesh encloses no volume
+  automatic,  ///< winding, or shell if the mesh encloses no volume or takes too long to close
   winding,    ///< generalized winding number >= 0.5: overlapping components unite, cavities stay,
               ///< holes are closed by a smooth surface that continues the mesh
   parity,     ///< a ray crosses the mesh an odd number of times, as in the paper: overlaps become
