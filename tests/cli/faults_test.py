@@ -307,6 +307,28 @@ class Device(Faults):
             self.assertRegex(result.stderr, says)
             self.assertFalse(os.path.lexists(out))
 
+    def test_a_library_goes_on_and_tries_the_object_again(self):
+        library = os.path.join(self.tmp, "of_three")
+        os.mkdir(library)
+        for name in "a.obj", "b.obj", "c.obj":
+            shutil.copy(self.ball, os.path.join(library, name))
+
+        def dataset(out, *more):
+            return ("dataset", library, "-o", os.path.join(self.tmp, out), "--pieces", "2", "--repeats", "1", "--resolution", "24", "--write", "labels",
+                    "--device", "pocl", *more)
+
+        def files(out):
+            return {name: sum for name, sum in tree(os.path.join(self.tmp, out)).items() if not name.startswith(("journal/", "run", "report"))}
+
+        total = self.calls(*dataset("untroubled"), kind="device", error=OUT_OF_RESOURCES)
+        result = self.sherd(*dataset("troubled"), kind="device", error=OUT_OF_RESOURCES, at=total * 2 // 3)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stderr, r"sherd: [abc]\.obj failed: [^\n]* OpenCL error -\d+")
+        self.assertIn("1 objects failed", result.stdout)
+        again = self.sherd(*dataset("troubled", "--resume", "--verify"))
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(files("troubled"), files("untroubled"))
+
     def test_a_disk_that_fills_up_while_kernels_are_compiled(self):
         cache, out = (os.path.join(self.tmp, name) for name in ("cache", "unwritten"))
         with unittest.mock.patch.dict(os.environ, POCL_CACHE_DIR=cache):
