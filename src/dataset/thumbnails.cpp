@@ -1,10 +1,12 @@
 // Thumbnails for the report.
 #include "dataset/thumbnails.h"
 
+#include <sherd/error.h>
 #include <sherd/files.h>
 #include <sherd/render.h>
 
 #include <algorithm>
+#include <new>
 
 #include "dataset/fracture_line.h"
 
@@ -56,12 +58,24 @@ std::string viewerName(const LibraryObject& object, const std::string& fracture)
       .generic_string();
 }
 
+namespace {
+
+// An image that fails does so for want of memory: the object's failure, and not the output's.
+Image rendered(std::span<const Fragment> fragments, const RenderOptions& options) try {
+  return renderFragments(fragments, options);
+} catch (const Error& e) {
+  if (e.code() != ErrorCode::output) throw;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
 void writeThumbnail(const std::filesystem::path& file, std::span<const Fragment> fragments,
                     char up) {
   RenderOptions options;
   options.width = options.height = kThumbnailSide;
   options.up = up;
-  writePng(file, renderFragments(fragments, options));
+  writePng(file, rendered(fragments, options));
 }
 
 }  // namespace sherd

@@ -38,7 +38,7 @@ constexpr std::uint64_t kMaxViewerBytes = 4'000'000;
 
 /// Renders fragments, exploded, to a PNG file.
 ///   up  the upward axis: 'x', 'y' or 'z'
-///   throws  Error(output)
+///   throws  Error(output); std::bad_alloc, also where the renderer has no memory
 void writeThumbnail(const std::filesystem::path& file, std::span<const Fragment> fragments,
                     char up);
 

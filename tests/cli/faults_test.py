@@ -285,6 +285,28 @@ class Memory(Faults):
             self.each(command, {0, 1, 5}, NO_MEMORY, kind="memory", bytes=4096)
 
 
+    def test_a_library_goes_on_and_tries_the_object_again(self):
+        library = os.path.join(self.tmp, "of_two")
+        os.mkdir(library)
+        for name in "a.obj", "b.obj":
+            shutil.copy(self.ball, os.path.join(library, name))
+
+        def dataset(out, *more):
+            return ("dataset", library, "-o", os.path.join(self.tmp, out), "--pieces", "2", "--repeats", "1", "--resolution", "24", "--write", "labels", *more)
+
+        def files(out):
+            return {name: sum for name, sum in tree(os.path.join(self.tmp, out)).items() if not name.startswith(("journal/", "run", "report"))}
+
+        total = self.calls(*dataset("whole_library"), kind="memory", bytes=20000)
+        for tenth in 2, 4, 6:  # an object's work, its images too
+            out = f"short_{tenth}"
+            result = self.sherd(*dataset(out), kind="memory", bytes=20000, at=total * tenth // 10)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertRegex(result.stderr, r"sherd: [ab]\.obj failed: not enough memory")
+            self.assertEqual(self.sherd(*dataset(out, "--resume")).returncode, 0)
+            self.assertEqual(files(out), files("whole_library"))
+
+
 class Device(Faults):
     """An OpenCL driver that fails."""
 
