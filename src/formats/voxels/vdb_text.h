@@ -1,22 +1,18 @@
 // Names and types in `.vdb` files, which may be any bytes.
 #pragma once
 
-#include <algorithm>
 #include <string>
-#include <utility>
+#include <string_view>
 
-#include "base/safe_name.h"
+#include "base/printable.h"
 
 namespace sherd {
 
-/// Returns text of a file for messages and JSON: printable ASCII as it is, other text by
-/// safeName().
-[[nodiscard]] inline std::string vdbText(std::string text) {
+/// Returns text of a file for messages, JSON and `--grid`: as printable() has it, of at most 200
+/// bytes.
+[[nodiscard]] inline std::string vdbText(std::string_view text) {
   constexpr std::size_t kLongest = 200;
-  const bool isPlain = text.size() <= kLongest && std::all_of(text.begin(), text.end(), [](char c) {
-                         return c >= ' ' && c <= '~';
-                       });
-  return isPlain ? text : safeName(std::move(text), "");
+  return printable(text.substr(0, kLongest));
 }
 
 }  // namespace sherd
