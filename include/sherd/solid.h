@@ -213,7 +213,9 @@ struct SolidMesh {
 /// A solid, read-only once returned.
 struct Solid {
   GridFrame frame;
-  ConstFloatGridPtr distance;  ///< level set, world units, inside negative, half width 3 voxels
+  /// Level set, world units, inside negative, half width 3 voxels.  Where voxels are under 1.44e-5
+  /// units, OpenVDB refuses to copy its transform and to give its matrix.
+  ConstFloatGridPtr distance;
   /// Inside and exterior-band voxels of `distance`; shared with the labels made from them.
   std::shared_ptr<const LeafBlocks> blocks;
   VoxelBox box;                            ///< tight box of the inside voxels
@@ -237,8 +239,9 @@ struct Solid {
 /// another component, where they bound cavities.  Then voxel centers are classified by
 /// options.fill: exactly for closed meshes, with holes closed for open ones.  Distances are exact,
 /// to the triangles that bound the solid.
-///   throws  Error(input) box empty or not finite, no inside voxel at this resolution;
-///           Error(usage) resolution, voxel size or thickness out of range; Error(cancelled)
+///   throws  Error(input) the box's longest side is not in 1e-30..1e37, no inside voxel at this
+///           resolution; Error(usage) resolution, voxel size or thickness out of range;
+///           Error(cancelled)
 ///   source  Barill et al., Fast Winding Numbers for Soups and Clouds, 2018
 [[nodiscard]] Solid voxelize(const TriangleMesh& mesh, const SolidOptions& options = {},
                              const Progress* progress = nullptr);
