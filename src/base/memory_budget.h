@@ -26,9 +26,10 @@ class MemoryBudget {
     const bool fits = bytesEach == 0 || count <= (kMost - taken_) / bytesEach;
     const std::uint64_t sum = fits ? taken_ + count * bytesEach : kMost;
     if (sum > limit_) {
-      throw Error(ErrorCode::input, file_ + ": reading it takes " + gigabytes(sum) +
-                                        " of memory or more, and " + gigabytes(limit_) +
-                                        " may be used");
+      throw Error(ErrorCode::input,
+                  file_ + ": reading it takes " + gigabytes(sum) + " of memory or more, and " +
+                      gigabytes(limit_) + " may be used",
+                  OptionNames{"max-memory"});
     }
     taken_ = sum;
   }

@@ -9,9 +9,11 @@
 #include <csignal>
 #include <cstdio>
 #include <new>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/atomic_file.h"
@@ -77,6 +79,24 @@ std::string oneLine(std::string text) {
   return text;
 }
 
+// Leaves out of an error's options what the command does not have: a limit of memory decides in
+// readers of all commands, and is an option of two.
+Action namingOwnOptions(Action run, const CLI::App& command) {
+  std::set<std::string> own;
+  for (const CLI::Option* option : command.get_options()) {
+    own.insert(option->get_lnames().begin(), option->get_lnames().end());
+  }
+  return [run = std::move(run), own = std::move(own)] {
+    try {
+      run();
+    } catch (const Error& e) {
+      OptionNames options = e.options();
+      std::erase_if(options, [&own](const std::string& name) { return !own.contains(name); });
+      throw Error(e.code(), e.what(), std::move(options));
+    }
+  };
+}
+
 // Prints help and version itself; `run` stays empty then.
 void parse(int argc, char** argv, Action& run) {
   CLI::App app("Breaks 3D models into fragments.", "sherd");
@@ -106,6 +126,7 @@ void parse(int argc, char** argv, Action& run) {
     }
     std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order
     app.parse(std::move(arguments));
+    if (run) run = namingOwnOptions(std::move(run), *app.get_subcommands().front());
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
       throw Error(ErrorCode::usage, oneLine(e.what()) + " (try sherd --help)");

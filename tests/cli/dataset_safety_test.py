@@ -383,7 +383,7 @@ class Failures(Safety):
     def test_for_want_of_time_or_memory_they_are_tried_again(self):
         self.done(*QUICK, "--match", "ball*")
         whole = dataset(self.out)
-        for short in ("--object-timeout", "0.001"), ("--max-memory", "1M"):
+        for short in ("--object-timeout", "0.001"), ("--max-memory", "1M"), ("--max-memory", "100"):
             self.fresh()
             for more in (), ("--resume",):
                 run = self.dataset(*QUICK, "--match", "ball*", *short, *more)

@@ -131,7 +131,7 @@ VdbGrids parsed(const fs::path& file, std::span<char> bytes, MemoryBudget& memor
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
-    inputError(file, "needs more memory than there is");
+    inputError(file, "needs more memory than there is", OptionNames{"max-memory"});
   } catch (const std::exception& e) {  // such as a block that cannot be decompressed
     inputError(file, "is damaged; OpenVDB cannot read it: " + vdbText(e.what()));
   }
@@ -215,7 +215,7 @@ class FileBytes {
     if (error) inputError(file, "cannot be read: " + error.message());
     memory.charge(size_);
     bytes_.reset(static_cast<char*>(std::aligned_alloc(kPage, (size_ / kPage + 1) * kPage)));
-    if (!bytes_) inputError(file, "needs more memory than there is");
+    if (!bytes_) inputError(file, "needs more memory than there is", OptionNames{"max-memory"});
     if (size_ >= kPage) ::madvise(bytes_.get(), size_, MADV_HUGEPAGE);
     if (!in.read(bytes_.get(), static_cast<std::streamsize>(size_)))
       inputError(file, "cannot be read to its end");
