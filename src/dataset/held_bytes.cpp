@@ -19,6 +19,7 @@ void HeldBytes::append(std::string_view bytes) {
 }
 
 void HeldBytes::moveToFile() {
+  if (!isInMemory()) return;
   {
     const Uncut whole;
     std::error_code failed;

@@ -27,6 +27,10 @@ class HeldBytes {
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] bool isInMemory() const { return temporary_ == nullptr; }
 
+  /// Keeps the bytes in a temporary file from now on.
+  ///   throws  Error(output)
+  void moveToFile();
+
   /// The bytes, if they are in memory.
   [[nodiscard]] ByteBlocks& inMemory() { return bytes_; }
 
@@ -40,8 +44,6 @@ class HeldBytes {
   void clear();
 
  private:
-  void moveToFile();
-
   std::filesystem::path file_;
   ByteBlocks bytes_;
   std::unique_ptr<AtomicFile> temporary_{};

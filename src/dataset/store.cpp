@@ -175,6 +175,8 @@ FileRecord StagedFiles::toArchive(const std::string& name, const Content& conten
                            [&](std::string_view some) { onDisk([&] { bytes.append(some); }); });
   record.sha256 = sum.text();
   const std::lock_guard lock(mutex_);
+  // Of many small files as much is held as of a few large ones.
+  if (packedBytes_ + bytes.size() > kMostPacked) onDisk([&] { bytes.moveToFile(); });
   if (bytes.isInMemory()) packedBytes_ += bytes.size();
   packed_.push_back({std::move(file), std::move(bytes)});
   return record;

@@ -83,7 +83,8 @@ class StagedFiles : public FileSink {
   std::atomic<bool> isDiskAtFault_{false};
   std::vector<FileRecord> records_;
   std::vector<Packed> packed_;
-  std::size_t packedBytes_ = 0;
+  static constexpr std::size_t kMostPacked = 4 * HeldBytes::kMost;
+  std::size_t packedBytes_ = 0;  // in memory
   double packing_ = 0.0, writing_ = 0.0;
 };
 

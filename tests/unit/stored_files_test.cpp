@@ -212,6 +212,26 @@ TEST_F(StoredFiles, LargeOnesWaitInATemporaryFile) {
   }
 }
 
+TEST_F(StoredFiles, ManyOfAnArchiveWaitInTemporaryFilesToo) {
+  const std::string some = noise(HeldBytes::kMost - 1, 5);
+  ObjectStore store({.root = folder_, .folder = "ball", .isArchive = true}, 100'000'000);
+  std::shared_ptr<StagedFiles> files = store.stage("");
+  const auto waiting = [&] {
+    return std::ranges::count_if(fs::directory_iterator(folder_), [](const auto& entry) {
+      return isTemporaryName(entry.path().filename().string());
+    });
+  };
+  for (int i = 0; i < 6; ++i) {
+    files->take(std::to_string(i), [&](const ByteSink& sink) { sink(some); });
+    EXPECT_EQ(waiting(), i < 4 ? 0 : i - 3) << i;
+  }
+  std::vector<FileRecord> records;
+  store.keep(files, [&](KeptFiles kept) { records = std::move(kept.files); });
+  (void)store.finish();
+  EXPECT_EQ(records.size(), 6u);
+  EXPECT_EQ(waiting(), 0);
+}
+
 TEST_F(StoredFiles, LargeOnesOfAFailedFractureLeaveNothing) {
   for (const bool isArchive : {false, true}) {
     ObjectStore store({.root = folder_, .folder = "ball", .isArchive = isArchive}, 100'000);
