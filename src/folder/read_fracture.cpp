@@ -110,8 +110,9 @@ FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) 
   solid.blocks = std::make_shared<const LeafBlocks>(leafBlocks(*whole));
   solid.distance = std::move(whole);
   measureVoxels(solid);
+  requireBox(file, solid);
 
-  finished.labels = labelsOn(solid, readVoxels(*labels).voxels, manifest, *labels);
+  finished.labels = labelsOn(solid, readVoxels(*labels, options).voxels, manifest, *labels);
   return finished;
 }
 

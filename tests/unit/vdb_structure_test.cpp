@@ -263,6 +263,12 @@ TEST_F(DamagedBall, MemoryIsHeldAgainstTheLimitBeforeItIsTaken) {
   EXPECT_EQ(sentenceOf([&] { (void)floatGridsOf("a.vdb", bomb, 150 * kMega); }), "");
 }
 
+TEST_F(DamagedBall, NamesAreOfAReasonableLength) {
+  const auto ball = smallBall();
+  ball->setName(std::string(100'000, 'a'));
+  EXPECT_NE(sentenceOf(vdbBytes({ball}, 0)).find("a name has 100"), std::string::npos);
+}
+
 TEST_F(DamagedBall, LeavesOfBitsLieInTheirNodes) {
   const auto grid = openvdb::BoolGrid::create();
   grid->tree().setValue(openvdb::Coord(8, 16, 24), true);
@@ -357,6 +363,7 @@ TEST(VdbVersions, FilesOfTheFirstVersionsAreRead) {
 }
 
 TEST(VdbVersions, TypesThatAreNotReadDoNotHideTheOthers) {
+  openvdb::initialize();
   const openvdb::GridBase::Ptr points = openvdb::GridBase::createGrid("Tree_ptdataidx32_5_4_3");
   points->setName("points");
   std::string bytes = vdbBytes({smallGrid<openvdb::DoubleGrid>(1.0), points, smallBall()}, 0);

@@ -268,6 +268,19 @@ std::shared_ptr<openvdb::FloatGrid> readLevelSet(const fs::path& file, const Rea
   return readLevelSets(file, options).front().grid;
 }
 
+void requireBox(const fs::path& file, const Solid& solid) {
+  if (solid.voxels == 0) return;
+  double voxels = 1.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    voxels *= static_cast<double>(solid.box.max[axis]) - solid.box.min[axis] + 1.0;
+  }
+  constexpr double kMost = 1e12;
+  if (voxels > kMost) {
+    inputError(file, "its voxels lie in a box of more than 1e12 voxels; choose a resolution",
+               OptionNames{"resolution"});
+  }
+}
+
 void requireFinite(const fs::path& file, const NamedGrid& grid) {
   if (!hasFiniteValues(*grid.grid))
     inputError(file, "grid '" + grid.name + "' has values that are not finite");

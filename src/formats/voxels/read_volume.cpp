@@ -74,21 +74,6 @@ double isovalueOf(const NamedGrid& grid, const VolumeOptions& options) {
   return grid.isLevelSet ? 0.0 : options.isovalue;
 }
 
-// Files of labels hold the box of the solid, most of which may be empty: two voxels far apart would
-// take hours.
-void requireBox(const fs::path& file, const Solid& solid) {
-  if (solid.voxels == 0) return;
-  double voxels = 1.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    voxels *= static_cast<double>(solid.box.max[axis]) - solid.box.min[axis] + 1.0;
-  }
-  constexpr double kMost = 1e12;
-  if (voxels > kMost) {
-    inputError(file, "its voxels lie in a box of more than 1e12 voxels; choose a resolution",
-               OptionNames{"resolution"});
-  }
-}
-
 void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volume,
                const Progress* progress) {
   std::vector<NamedGrid> grids = chosenGrids(file, options);
@@ -164,7 +149,7 @@ Volume readVolume(const fs::path& file, const VolumeOptions& options, const Prog
   } else {
     readLabels(file, options, volume, progress);
   }
-  volume.source.sha256 = sha256(readFileBytes(file));
+  volume.source.sha256 = sha256OfFile(file);
   volume.source.fileVertices = volume.source.mesh.vertices.size();
   const bool isEmpty =
       volume.solid ? volume.solid->voxels == 0 : volume.source.mesh.triangles.empty();

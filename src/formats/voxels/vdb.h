@@ -34,6 +34,11 @@ struct NamedGrid {
 ///   throws  Error(input) a value of the grid is not finite
 void requireFinite(const std::filesystem::path& file, const NamedGrid& grid);
 
+/// Refuses voxels that lie too far apart: files of labels hold the box of the solid, most of which
+/// may be empty, and two voxels at its ends would take hours.
+///   throws  Error(input) it has more than 1e12 voxels
+void requireBox(const std::filesystem::path& file, const Solid& solid);
+
 /// Returns the float grids in the bytes of a file, an empty list if there is none.
 ///   file       name for messages
 ///   maxMemory  bytes

@@ -50,8 +50,16 @@ class VdbCursor {
     return value != 0;
   }
 
-  /// Reads a string behind its length.
-  std::string text() { return std::string(take(number<std::uint32_t>())); }
+  /// Reads a name or a type behind its length.  Readers copy these several times before anything is
+  /// charged.
+  ///   throws  Error(input) it has more than 64 KiB
+  std::string text() {
+    constexpr std::uint32_t kLongest = 1 << 16;
+    const auto length = number<std::uint32_t>();
+    if (length > kLongest && length <= left())
+      fail("a name has " + std::to_string(length) + " bytes");
+    return std::string(take(length));
+  }
 
   /// Moves forward.
   ///   throws  Error(input) to an earlier position, or behind the end
