@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdio>
 #include <new>
-#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -79,19 +78,17 @@ std::string oneLine(std::string text) {
   return text;
 }
 
-// Leaves out of an error's options what the command does not have: a limit of memory decides in
-// readers of all commands, and is an option of two.
-Action namingOwnOptions(Action run, const CLI::App& command) {
-  std::set<std::string> own;
-  for (const CLI::Option* option : command.get_options()) {
-    own.insert(option->get_lnames().begin(), option->get_lnames().end());
-  }
-  return [run = std::move(run), own = std::move(own)] {
+// Leaves the limit of memory out of an error's options where the command has none: it decides in
+// the readers of all commands.
+Action namingOwnLimit(Action run, const CLI::App& command) {
+  static constexpr const char* kLimit = "max-memory";
+  if (command.get_option_no_throw(std::string("--") + kLimit) != nullptr) return run;
+  return [run = std::move(run)] {
     try {
       run();
     } catch (const Error& e) {
       OptionNames options = e.options();
-      std::erase_if(options, [&own](const std::string& name) { return !own.contains(name); });
+      std::erase(options, kLimit);
       throw Error(e.code(), e.what(), std::move(options));
     }
   };
@@ -126,7 +123,7 @@ void parse(int argc, char** argv, Action& run) {
     }
     std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order
     app.parse(std::move(arguments));
-    if (run) run = namingOwnOptions(std::move(run), *app.get_subcommands().front());
+    if (run) run = namingOwnLimit(std::move(run), *app.get_subcommands().front());
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
       throw Error(ErrorCode::usage, oneLine(e.what()) + " (try sherd --help)");

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <exception>
 #include <latch>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -32,6 +33,7 @@ int possibleThreads(int wanted) {
       threads.emplace_back([&ended] { ended.wait(); });
     }
   } catch (const std::system_error&) {  // there are no more
+  } catch (const std::bad_alloc&) {     // nor memory for one
   }
   ended.count_down();
   for (std::thread& thread : threads) thread.join();

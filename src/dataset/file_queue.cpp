@@ -2,6 +2,7 @@
 #include "dataset/file_queue.h"
 
 #include <chrono>
+#include <new>
 #include <utility>
 
 #include "base/atomic_file.h"
@@ -15,7 +16,8 @@ FileQueue::FileQueue(std::size_t mostBytes, int threads) : mostBytes_(mostBytes)
   threads_.push_back(startedThread([this] { work(); }));
   try {
     while (threads_.size() < most) threads_.push_back(startedThread([this] { work(); }));
-  } catch (const Error&) {  // fewer do
+  } catch (const Error&) {           // fewer do
+  } catch (const std::bad_alloc&) {  // as well
   }
 }
 

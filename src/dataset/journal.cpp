@@ -43,13 +43,24 @@ std::vector<FileRecord> filesOf(const Json& line) {
   return files;
 }
 
+namespace {
+
+std::string dumped(const Json& line) {
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// Returns text as it is read back from a journal, which has no bytes that are not UTF-8.
+std::string asInJournal(const std::string& text) { return Json::parse(dumped(text)); }
+
+}  // namespace
+
 JournalText readJournal(const fs::path& out, const LibraryObject& object) {
   const std::string name = journalName(object);
   if (!fs::exists(fs::symlink_status(out / name))) return {};
   if (!isOwnFile(out, name))
     inputError(out / name, "is not a regular file, or a symbolic link leads there");
   JournalText journal = parsedJournal(readFileBytes(out / name), (out / name).string());
-  if (!journal.object.empty() && journal.object != object.key) {
+  if (!journal.object.empty() && journal.object != asInJournal(object.key)) {
     inputError(out / name,
                "is the journal of " + journal.object + ", not of " + object.key +
                    "; remove the file, and a resumed run breaks its object again",
@@ -88,8 +99,7 @@ Journal::Journal(const fs::path& out, const LibraryObject& object)
 Journal::~Journal() { ::close(descriptor_); }
 
 void Journal::write(const Json& line) {
-  const std::string text =
-      sealedLine(line.dump(-1, ' ', false, Json::error_handler_t::replace), text_.sum);
+  const std::string text = sealedLine(dumped(line), text_.sum);
   std::string_view rest = text;
   while (!rest.empty()) {
     const ssize_t n = ::write(descriptor_, rest.data(), rest.size());

@@ -157,6 +157,7 @@ class LibraryRun {
       // A device that fails twice in a row is taken for gone.
       const bool isGone = e.code() == ErrorCode::device && deviceError_;
       if (endsRun(e) || isGone) throw e;
+      deviceError_.reset();
       if (e.code() == ErrorCode::device) deviceError_ = e;
       fail(object, journal, e, each);
     }
