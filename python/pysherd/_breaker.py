@@ -34,7 +34,7 @@ class Breaker:
     skips : bool
         Leaves out meshes that cannot be broken, with a warning; else they are errors.
     cycle : int
-        Items in which every mesh comes up.
+        Attempts that count as one visit of every mesh.
     """
 
     def __init__(self, meshes: list[Mesh], options: Drawn, layout: str, points: int | None, cache_bytes: int, device: str, skips: bool,

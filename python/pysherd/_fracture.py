@@ -23,7 +23,7 @@ class Fracture(Sequence[Fragment]):
 
     What is not read is not made: `labels` come from the growth alone; measures, contacts and points need no meshes where surfaces
     are the default ones; reading one mesh makes all.  It can be pickled: the pickle holds the solid and the options, and
-    unpickling breaks it again, to the same bits; of a fracture that was loaded it holds the path.  A damaged pickle is an `InputError`.
+    unpickling breaks it again, to the same bits; of a fracture that was loaded it holds the path.  Damaged content is an `InputError`.
     """
 
     def __init__(self, core: _core.Fracture, solid: Solid | None = None, options: _options.Options | None = None) -> None:

@@ -138,9 +138,11 @@ def given_ranks(rank: int | None, world_size: int | None) -> tuple[int, int] | N
     """Returns a rank and the number of ranks, None where neither is given."""
     if rank is None and world_size is None:
         return None
-    if rank is None or world_size is None or not 0 <= whole("rank", rank, 0) < whole("world_size", world_size, 1):
-        raise UsageError(f"rank: {shown(rank)} is not one of 0..world_size - 1, and world_size is {shown(world_size)}")
-    return rank, world_size
+    if rank is not None and world_size is not None:
+        own, ranks = whole("rank", rank, 0), whole("world_size", world_size, 1)
+        if own < ranks:
+            return own, ranks
+    raise UsageError(f"rank: {shown(rank)} is not one of 0..world_size - 1, and world_size is {shown(world_size)}")
 
 
 def items_of_rank(items: int, ranks: int) -> int:

@@ -20,7 +20,7 @@ class Solid:
     """An object as voxels, prepared once for any number of fractures; `voxelize` makes it.
 
     It can be pickled: the pickle holds the options and all that was read of the mesh, textures and materials included, and unpickling
-    voxelizes it again, to the same bits.  A damaged pickle is an `InputError`.
+    voxelizes it again, to the same bits.  Damaged content is an `InputError`.
 
     Attributes
     ----------

@@ -13,6 +13,7 @@ from typing import Any, Iterator
 from . import _core
 from ._errors import InputError, UsageError
 
+
 def sealed(kind: str, content: bytes) -> bytes:
     """Returns a state.
 
@@ -38,6 +39,11 @@ def only(kind: str, arguments: tuple[Any, ...], *types: type) -> tuple[Any, ...]
     return arguments
 
 
+# Also by the pickle of the options' values, which may name what does not exist.
+_RAISED = (UsageError, ValueError, TypeError, OverflowError, LookupError, RecursionError, EOFError, AttributeError, ImportError, MemoryError,
+           pickle.PickleError)  # fmt: skip
+
+
 @contextlib.contextmanager
 def restoring(kind: str) -> Iterator[None]:
     """Makes input errors of what is refused of a state whose checksum is right, and was made by other means or another version."""
@@ -45,7 +51,7 @@ def restoring(kind: str) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except (UsageError, ValueError, TypeError, OverflowError, LookupError, RecursionError, EOFError, pickle.PickleError) as e:
+    except _RAISED as e:
         raise InputError(f"this pickle of {_named(kind)} cannot be used: {e}", getattr(e, "options", ())) from None
 
 
