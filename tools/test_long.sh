@@ -57,10 +57,6 @@ echo "== fuzzing the readers, each for five minutes or SHERD_FUZZ_SECONDS"
 tools/build.sh asan sherd_fuzz
 tests/fuzz/run.sh build/asan/tests/fuzz/sherd_fuzz "${SHERD_FUZZ_SECONDS:-300}"
 
-echo "== 2000 damages of .vdb files"
-tools/build.sh release sherd_cli
-tests/long/vdb_damage.py build/release/sherd
-
 echo "== 2000 fractures with exact surfaces"
 tools/build.sh release sherd_exact_sweep
 meshes=()
@@ -172,8 +168,9 @@ tools/no_driver.sh build/release/sherd_*.deb
 echo "== the Python module: 10,000 fractures and objects, Python and pip alone, and its meshes in trimesh and manifold3d"
 SHERD_PYTHON_FRACTURES=10000 tools/test_python.sh -k memory
 tools/bare_python.sh build/python/wheel/*.whl
-echo "== 2000 damages of pickles"
+echo "== 2000 damages of pickles, and of .vdb files"
 build/python/venv/bin/python -B tests/long/pickles.py 2000
+tests/long/vdb_damage.py build/release/sherd 2000 build/python/venv/bin/python
 meshes=(data/amphora.ply)
 [ -z "${SHERD_TEST_DATA:-}" ] || for name in bunny.off armadillo.obj dragon.obj vase_goblet.stl 3DBenchy.ply boot.obj 99865_car.stl footbones.ply \
   ADIS16480.STL; do meshes+=("$SHERD_TEST_DATA/$name"); done

@@ -107,6 +107,7 @@ DrawOf perTriangleDraws(const SurfaceByArea& surface, const PointOptions& option
               order[i + randomBelow(order.size() - i, options.seed, Stage::pointShuffle, i)]);
   }
   order.resize(options.count);
+  order.shrink_to_fit();
   const bool even = options.sampler == PointSampler::halton;
   return [chosen = std::shared_ptr<const Chosen>(chosen), even,
           seed = options.seed](std::size_t i) -> Draw {

@@ -19,8 +19,8 @@ struct Draw {
 };
 
 /// The points of a surface in their order.  Keeps a reference to the surface; holds 4 bytes a point
-/// with PointSampler::poisson, 4 a point and 12 a triangle with PointRule::perTriangle, else
-/// nothing.
+/// with PointSampler::poisson, 4 a point and 12 a triangle with PointRule::perTriangle (4 more a
+/// triangle while it is made), else nothing.
 class PointSequence {
  public:
   ///   options  checked by checkPointOptions; count > 0

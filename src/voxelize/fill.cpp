@@ -131,7 +131,8 @@ FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options) {
   const std::size_t triangles = mesh.mesh.triangles.size(), open = mesh.caps.vertices.size();
   if (static_cast<double>(open) >= kLooseEdges * static_cast<double>(triangles)) {
     return {Fill::shell, "the mesh is open and encloses no volume: its triangles are loose, with " +
-                             std::to_string(open) + " open edges of " + std::to_string(triangles)};
+                             std::to_string(open) + " edges that do not join two of " +
+                             std::to_string(triangles)};
   }
   const EdgeDefects edges = edgeDefects(mesh.mesh);
   const std::string found =

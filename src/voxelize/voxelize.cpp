@@ -132,7 +132,7 @@ Solid filled(const MeshInGrid& in, const FillChoice& choice, const Box& box,
 
 FillChoice shellInstead(const MeshDefects& defects) {
   return {Fill::shell,
-          "to close " + std::to_string(defects.boundaryEdges) + " open edges" + kTakesTooLong};
+          "to close " + std::to_string(defects.boundaryEdges) + " boundary edges" + kTakesTooLong};
 }
 
 }  // namespace

@@ -230,7 +230,7 @@ class Look(CommandLine):
             self.assertTrue(1 <= min(used) and max(used) <= count)
         for path in (glb, obj):
             reported = json.loads(self.run_sherd("inspect", self.at(path), "--json").stdout)
-            self.assertEqual((reported["closed"], reported["open_edges"], reported["triangles"]), (True, 0, len(f)))
+            self.assertEqual((reported["closed"], reported["boundary_edges"], reported["triangles"]), (True, 0, len(f)))
 
     def test_plain_meshes(self):
         self.done("--write", "mesh", "--mesh-format", "ply,obj,glb")

@@ -14,7 +14,7 @@ import skipping
 
 SHERD = os.environ["SHERD_BIN"]
 ALL = os.environ.get("SHERD_LIMITS") == "all"
-NOBODY = 65534
+NOBODY = 64321  # whom no other test runs as: it must have no processes
 STATUSES = {0, 1, 2, 3, 4, 5}
 
 
