@@ -1,19 +1,9 @@
 #!/usr/bin/env bash
 # Run the unit and kernel tests that were built with the sanitizers (preset asan).
 #
-# usage: check_sanitized.sh [quick]
-#   quick: without what runs at 128 voxels or takes more than 25 s so; smaller tests run the same code
+# usage: check_sanitized.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
-without=()
-if [ "${1:-}" = quick ]; then
-  export SHERD_PROPERTY_CASES=60
-  without=('Shapes/*' 'Cups/*' 'OriginalSurface*' FragmentPoints.AreThoseOfTheMeshes
-    InterfaceOfFracture.StaysIdenticalSimplifiedSmoothedAndDecimated Creases.DoNotTurnCavitiesAroundOneVoxelInsideOut
-    FractureInto.MakesTheSameInSeveralRounds Interface.EveryPairOfNeighboringCellsIsManifold
-    IndependentCracks.NoVertexIsANeighbors MergedPlanes.AreThoseOfManyFragmentsToo
-    Fill.ChangesOfSideInRealMeshesHaveASurface VolumeTest.RunsThatStandForMoreFacesThanFitAreRefused)
-fi
 export OCL_ICD_VENDORS=pocl.icd
 # No leak check: LeakSanitizer's tracer crashes now and then beside PoCL's threads.
 export ASAN_OPTIONS=detect_leaks=0
@@ -22,8 +12,7 @@ export ASAN_OPTIONS=detect_leaks=0
 half() {  # 0 or 1
   local test
   for test in sherd_tests sherd_kernel_tests; do
-    GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$1 "build/asan/tests/$test" --gtest_brief=1 \
-      --gtest_filter="*-$(IFS=:; echo "${without[*]:-}")" || return 1
+    GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$1 "build/asan/tests/$test" --gtest_brief=1 || return 1
   done
 }
 half 0 &

@@ -49,9 +49,10 @@ echo "== each file compiled alone, which finds a header that is not included"
 tools/build.sh alone
 rm -r build/alone
 
-echo "== all unit and kernel tests with sanitizers"
-tools/build.sh asan sherd_tests sherd_kernel_tests
+echo "== all unit and kernel tests with sanitizers, and the program's"
+tools/build.sh asan sherd_tests sherd_kernel_tests sherd_cli
 tools/check_sanitized.sh
+ASAN_OPTIONS=detect_leaks=0:use_sigaltstack=0 ctest --test-dir build/asan --output-on-failure --no-tests=error -j 2 -R '^(cli|dataset|surface|points)$'
 
 echo "== fuzzing the readers, each for five minutes or SHERD_FUZZ_SECONDS"
 tools/build.sh asan sherd_fuzz
