@@ -130,9 +130,8 @@ FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options) {
   // Each open edge is one of a cap, and each vertex of a cap the first of one.
   const std::size_t triangles = mesh.mesh.triangles.size(), open = mesh.caps.vertices.size();
   if (static_cast<double>(open) >= kLooseEdges * static_cast<double>(triangles)) {
-    return {Fill::shell, "the mesh is open and encloses no volume: its triangles are loose, with " +
-                             std::to_string(open) + " edges that do not join two of " +
-                             std::to_string(triangles)};
+    return {Fill::shell, "the mesh is open and encloses no volume: its triangles are loose, and " +
+                             std::to_string(open) + " of their edges have no neighbor"};
   }
   const EdgeDefects edges = edgeDefects(mesh.mesh);
   const std::string found =
