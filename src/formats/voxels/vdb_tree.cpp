@@ -1,10 +1,15 @@
 // Checks trees of `.vdb` files.
 #include "formats/voxels/vdb_tree.h"
 
+#include <openvdb/Exceptions.h>
+#include <openvdb/io/Compression.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdlib>
+#include <cstring>
+#include <sstream>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -88,6 +93,7 @@ class TreeWalk {
 
   std::uint64_t walk() {
     topology();
+    isTopology_ = false;
     if (!format_.values.hasPoints) buffers();
     return memory_;
   }
@@ -253,6 +259,24 @@ class TreeWalk {
     const std::string_view packed = in_.take(static_cast<std::uint64_t>(stored));
     if ((format_.compression & kBlosc) != 0 && !isBloscBlock(packed, bytes))
       failBlock(stored, bytes);
+    if (isTopology_) unpack(packed, bytes);
+  }
+
+  // Decompresses a block of an inner node: where that fails while OpenVDB reads the topology, it
+  // loses the branch that it has made.
+  void unpack(std::string_view packed, std::int64_t bytes) {
+    unpacked_.resize(static_cast<std::size_t>(bytes));
+    const auto stored = static_cast<std::int64_t>(packed.size());
+    std::string text(sizeof stored, '\0');
+    std::memcpy(text.data(), &stored, sizeof stored);
+    std::istringstream in(text.append(packed));
+    try {
+      const auto read = (format_.compression & kBlosc) != 0 ? openvdb::io::bloscFromStream
+                                                            : openvdb::io::unzipFromStream;
+      read(in, unpacked_.data(), unpacked_.size());
+    } catch (const openvdb::Exception&) {
+      failBlock(stored, bytes);
+    }
   }
 
   // Whether Blosc decompresses that many bytes, or finds by itself that the block is damaged.  Its
@@ -279,6 +303,8 @@ class TreeWalk {
   VdbCursor& in_;
   const VdbTreeFormat& format_;
   const bool storesOrigins_;
+  bool isTopology_ = true;  // not leaves' values
+  std::string unpacked_;
   std::vector<Branch> branches_;
   std::vector<Origin> origins_;  // [leaves_] in the order of the topology, if leaves store them
   std::uint64_t leaves_ = 0, memory_ = 0;
