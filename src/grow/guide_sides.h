@@ -31,8 +31,12 @@ class GivenCracks {
   [[nodiscard]] const std::vector<SidedMesh>& surfaces() const { return surfaces_; }
 
   /// Returns the signed distance of a voxel's center from a crack, voxels.
-  [[nodiscard]] double distance(std::size_t crack, const openvdb::Coord& voxel) const {
-    return surfaces_[crack].signedDistance(frame_.worldFromIndex(voxel)) / frame_.voxelSize;
+  ///   guess  as SidedMesh::Side has it, of a voxel nearby; becomes this voxel's
+  [[nodiscard]] double distance(std::size_t crack, const openvdb::Coord& voxel,
+                                std::uint32_t& guess) const {
+    const SidedMesh::Side side = surfaces_[crack].sideOf(frame_.worldFromIndex(voxel), guess);
+    guess = side.guess;
+    return side.distance / frame_.voxelSize;
   }
 
  private:

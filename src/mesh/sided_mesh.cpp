@@ -60,8 +60,10 @@ TriangleMesh edgesAsTriangles(const TriangleMesh& mesh,
 
 }  // namespace
 
-SidedMesh::SidedMesh(TriangleMesh mesh)
-    : mesh_(withArea(std::move(mesh))), tree_(mesh_), border_(TriangleMesh{}) {
+SidedMesh::SidedMesh(TriangleMesh mesh, Shape shape)
+    : mesh_(withArea(std::move(mesh))),
+      tree_(shape == Shape::strip ? TriangleTree::ofStrip(mesh_) : TriangleTree(mesh_)),
+      border_(TriangleMesh{}) {
   const std::size_t triangles = mesh_.triangles.size();
   for (const glm::uvec3& t : mesh_.triangles) faceNormals_.push_back(cornersOf(mesh_, t).normal);
   vertexNormals_ = vertexNormals(mesh_);

@@ -22,9 +22,12 @@ namespace sherd {
 ///           2005
 class SidedMesh {
  public:
+  /// Results are the same for both; a strip of long thin triangles is faster as one.
+  enum class Shape { any, strip };
+
   ///   mesh  oriented consistently; triangles without an area are dropped; one at least must be
   ///         left
-  explicit SidedMesh(TriangleMesh mesh);
+  explicit SidedMesh(TriangleMesh mesh, Shape shape = Shape::any);
 
   /// Where a point lies.
   struct Side {

@@ -13,6 +13,7 @@
 
 #include "mesh/boxes.h"
 #include "mesh/solid_angles.h"
+#include "mesh/vertex_normals.h"
 
 namespace sherd {
 namespace {
@@ -53,7 +54,7 @@ class Near {
 };
 
 // A ray that misses a box by this fraction of its length counts as a hit, so that rounding loses no
-// triangle.
+// triangle; oriented boxes are wider by this fraction of their distance from the origin.
 constexpr double kRounding = 1e-9;
 
 // Returns where a ray entryDistance a box, or infinity.
@@ -89,7 +90,15 @@ double rayHit(const std::array<glm::dvec3, 3>& t, const glm::dvec3& origin,
 
 }  // namespace
 
-TriangleTree::TriangleTree(const TriangleMesh& mesh) {
+TriangleTree::TriangleTree(const TriangleMesh& mesh) : TriangleTree(mesh, false) {}
+
+TriangleTree TriangleTree::ofStrip(const TriangleMesh& strip) {
+  TriangleTree tree(strip, true);
+  tree.addOrientedBoxes();
+  return tree;
+}
+
+TriangleTree::TriangleTree(const TriangleMesh& mesh, bool isSorted) {
   const std::size_t count = mesh.triangles.size();
   if (count == 0) return;
   while ((count + (std::size_t{1} << levels_) - 1) >> levels_ > kLeafTriangles) ++levels_;
@@ -99,7 +108,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) {
     items[i] = {glm::vec3(mesh.vertices[t.x] + mesh.vertices[t.y] + mesh.vertices[t.z]),
                 static_cast<std::uint32_t>(i)};
   }
-  sortInto(items, {0, 0, count, levels_});
+  if (!isSorted) sortInto(items, {0, 0, count, levels_});
   // Vertices are stored in the order of the leaves, so that near ones are near in memory.
   std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
   vertices_.reserve(mesh.vertices.size());
@@ -202,13 +211,79 @@ void TriangleTree::measure(const Range& range) {
   }
 }
 
+TriangleTree::OrientedBox TriangleTree::orientedBox(const Range& range) const {
+  OrientedBox box;
+  glm::dvec3 longest(0.0);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    const std::array<glm::dvec3, 3> t = corners(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 edge = t[(k + 1) % 3] - t[k];
+      if (glm::dot(edge, edge) > glm::dot(longest, longest)) longest = edge;
+    }
+  }
+  box.axis[0] = unitOrZero(dipoles_[range.node].normal);
+  box.axis[1] = unitOrZero(longest - glm::dot(longest, box.axis[0]) * box.axis[0]);
+  box.axis[2] = unitOrZero(glm::cross(box.axis[0], box.axis[1]));
+  box.least = glm::dvec3(kInfinity), box.most = glm::dvec3(-kInfinity);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    for (const glm::dvec3& v : corners(i)) {
+      const glm::dvec3 at(glm::dot(box.axis[0], v), glm::dot(box.axis[1], v),
+                          glm::dot(box.axis[2], v));
+      box.least = glm::min(box.least, at), box.most = glm::max(box.most, at);
+    }
+  }
+  const glm::dvec3 min(bounds_[0].min), max(bounds_[0].max);
+  const double slack = kRounding * std::max(glm::length(min), glm::length(max));
+  box.least -= slack, box.most += slack;
+  return box;
+}
+
+double TriangleTree::OrientedBox::squaredTo(const glm::dvec3& point, double slack) const {
+  double squared = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double at = glm::dot(axis[static_cast<std::size_t>(k)], point);
+    const double outside = std::max(std::max(least[k] - at, at - most[k]) - slack, 0.0);
+    squared += outside * outside;
+  }
+  return squared;
+}
+
+void TriangleTree::addOrientedBoxes() {
+  if (empty()) return;
+  oriented_.resize(bounds_.size());
+  walk(
+      [&](const Range& range) {
+        oriented_[range.node] = orientedBox(range);
+        return false;
+      },
+      [](std::size_t) {});
+}
+
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reach,
                                             std::uint32_t guess) const {
+  if (empty()) return {};
+  const Near near(point);
+  // Not infinite: a tree that is very far away has a nearest triangle too.
+  constexpr float kFarthest = std::numeric_limits<float>::max();
+  const auto toBox = [&](std::size_t node) {
+    return std::min(near.squaredTo(bounds_[node].min, bounds_[node].max), kFarthest);
+  };
+  if (oriented_.empty()) return nearestBy(toBox, point, reach, guess);
+  const double slack = kRounding * glm::length(point);
+  const auto toBoth = [&](std::size_t node) {
+    const double squared = oriented_[node].squaredTo(point, slack);
+    return static_cast<float>(std::min<double>(squared, kFarthest)) * kRoundedDown;
+  };
+  return nearestBy(toBoth, point, reach, guess);
+}
+
+template <class SquaredTo>
+TriangleTree::Nearest TriangleTree::nearestBy(const SquaredTo& squaredTo, const glm::dvec3& point,
+                                              double reach, std::uint32_t guess) const {
   Nearest found;
-  if (empty()) return found;
   double squared = reach * reach;
   const auto test = [&](std::size_t triangle) {
-    const double d = squaredTo(point, triangle);
+    const double d = this->squaredTo(point, triangle);
     if (!(d < squared)) return;
     squared = d;
     found = {std::sqrt(d), static_cast<std::uint32_t>(triangle)};
@@ -221,12 +296,6 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& point, double reac
   };
   std::array<Waiting, kDeepest> stack;
   std::size_t waiting = 0;
-  const Near near(point);
-  const auto squaredTo = [&](std::size_t node) {
-    // Not infinite: a tree that is very far away has a nearest triangle too.
-    return std::min(near.squaredTo(bounds_[node].min, bounds_[node].max),
-                    std::numeric_limits<float>::max());
-  };
   std::size_t node = 0;
   float here = squaredTo(0);
   while (true) {

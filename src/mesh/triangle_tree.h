@@ -26,6 +26,11 @@ class TriangleTree {
   ///   mesh  may be empty; copied
   explicit TriangleTree(const TriangleMesh& mesh);
 
+  /// Of a strip of long thin triangles, each beside the one before.  Their boxes hold most of space
+  /// where they lie askew, and those that are near in space may lie in any direction: nodes are
+  /// parts of the strip, and nearest() knows boxes along their mean normal and longest edge.
+  [[nodiscard]] static TriangleTree ofStrip(const TriangleMesh& strip);
+
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
   [[nodiscard]] std::size_t count() const { return triangles_.size(); }
 
@@ -122,6 +127,15 @@ class TriangleTree {
     double radius = 0.0;  // of all triangles, around `center`
   };
 
+  // The points whose dot products with three axes are within bounds, rounded outwards.
+  struct OrientedBox {
+    std::array<glm::dvec3, 3> axis{};  // unit and orthogonal, or 0
+    glm::dvec3 least{0.0}, most{0.0};
+
+    // Returns the squared distance of a point, or less.
+    [[nodiscard]] double squaredTo(const glm::dvec3& point, double slack) const;
+  };
+
   // A node of the tree, which is complete: its children are 2 node + 1 and 2 node + 2.
   struct Range {
     std::size_t node, begin, end;
@@ -169,8 +183,16 @@ class TriangleTree {
   // the others, as dipoles.
   double addSolidAngles(const Range& range, const glm::dvec3& point, SolidAngles& near) const;
 
+  // `squaredTo` returns a lower bound of a point's squared distance to a node's triangles.
+  template <class SquaredTo>
+  [[nodiscard]] Nearest nearestBy(const SquaredTo& squaredTo, const glm::dvec3& point, double reach,
+                                  std::uint32_t guess) const;
+
+  TriangleTree(const TriangleMesh& mesh, bool isSorted);
   static void sortInto(std::span<Item> items, const Range& range);
   void measure(const Range& range);
+  void addOrientedBoxes();
+  [[nodiscard]] OrientedBox orientedBox(const Range& range) const;
   [[nodiscard]] static std::optional<Hit> clamped(const Hit& hit);
   void hit(const glm::dvec3& from, const glm::dvec3& along, std::size_t triangle, Hit& first) const;
   [[nodiscard]] int entry(const glm::dvec3& from, const glm::dvec3& to, std::size_t triangle) const;
@@ -181,6 +203,7 @@ class TriangleTree {
   std::vector<std::uint32_t> first_;   // [leaves + 1] a leaf's first triangle
   std::vector<Bounds> bounds_;         // [nodes]
   std::vector<Dipole> dipoles_;        // [nodes]
+  std::vector<OrientedBox> oriented_;  // [nodes] of a strip, else empty
   int levels_ = 0;                     // below the root
 };
 

@@ -106,7 +106,7 @@ GuideSurfaces guideSurfacesOf(std::span<const Guide> guides, const Solid& solid,
       throwIfCancelled(progress);
       if (!drawn) drawn.emplace(drawnSurface(solid));
       try {
-        surfaces.emplace_back(curtainOf(line, *drawn));
+        surfaces.emplace_back(curtainOf(line, *drawn), SidedMesh::Shape::strip);
       } catch (const Error& e) {
         throw inputError(guide, e.what());
       }

@@ -77,8 +77,9 @@ double SplitTree::distance(const Side& side, const Position& at) const {
   return signedValue / (from + radius) / 64.0;
 }
 
-double SplitTree::toGiven(std::uint32_t split, const openvdb::Coord& voxel) const {
-  return cracks_->distance(static_cast<std::size_t>(splits_[split].offset), voxel);
+double SplitTree::toGiven(std::uint32_t split, const openvdb::Coord& voxel,
+                          std::uint32_t& guess) const {
+  return cracks_->distance(static_cast<std::size_t>(splits_[split].offset), voxel, guess);
 }
 
 namespace {
@@ -126,7 +127,7 @@ class SidesOfLeaf {
   void setRow(std::size_t x, std::size_t y, const std::array<std::size_t, 2>&) {
     row_ = low_ + openvdb::Coord(static_cast<int>(x), static_cast<int>(y), 0);
     z_ = kCutSide;  // of no voxel
-    for (auto& [split, distances] : given_) distances.fill(std::nullopt);
+    for (auto& [split, given] : given_) given.distances.fill(std::nullopt);
   }
 
   bool agrees(std::uint16_t label, std::size_t z) {
@@ -161,8 +162,9 @@ class SidesOfLeaf {
 
   // The signed distance to a given crack, which takes a search: once for each voxel.
   double toGiven(std::uint32_t split, std::size_t z) {
-    std::optional<double>& known = given_.find(split)->second[z];
-    if (!known) known = splits_.toGiven(split, voxel(z));
+    Given& given = given_.find(split)->second;
+    std::optional<double>& known = given.distances[z];
+    if (!known) known = splits_.toGiven(split, voxel(z), given.guess);
     return *known;
   }
 
@@ -184,8 +186,11 @@ class SidesOfLeaf {
   WaysAround ways_;
   std::size_t z_ = kCutSide;
   SplitTree::Position position_{};  // at z_
-  // By split, of the row's voxels.
-  std::map<std::uint32_t, std::array<std::optional<double>, kCutSide>> given_;
+  struct Given {
+    std::array<std::optional<double>, kCutSide> distances{};  // of the row's voxels
+    std::uint32_t guess = TriangleTree::kNone;
+  };
+  std::map<std::uint32_t, Given> given_;  // by split
 };
 
 }  // namespace

@@ -56,7 +56,8 @@ class SplitTree {
 
   /// Returns the signed distance of a voxel to the given crack of a split, voxels; positive on the
   /// side of the added piece.
-  double toGiven(std::uint32_t split, const openvdb::Coord& voxel) const;
+  ///   guess  as GivenCracks::distance
+  double toGiven(std::uint32_t split, const openvdb::Coord& voxel, std::uint32_t& guess) const;
 
  private:
   // Whether the surface of a split's crack is known.

@@ -136,6 +136,26 @@ TEST(Curtain, OfAnArcIsContinuedBeyondItsEnds) {
   }
 }
 
+// How triangles are ordered and bounded changes no distance, nor does a guess.
+TEST(Curtain, AsAStripHasTheDistancesOfItsTriangles) {
+  const DrawnSurface surface(shapes::ball(1.0, 4));
+  std::vector<glm::dvec3> line = randomPoints(20, 1.0);
+  for (glm::dvec3& p : line) p = glm::normalize(p);
+  const TriangleMesh mesh = curtainOf(line, surface);
+  for (const glm::dvec3 offset : {glm::dvec3(0.0), glm::dvec3(1e5, -3e4, 0.0)}) {
+    TriangleMesh moved = mesh;
+    for (glm::dvec3& v : moved.vertices) v += offset;
+    const TriangleTree any(moved), strip = TriangleTree::ofStrip(moved);
+    std::uint32_t guess = TriangleTree::kNone;
+    for (const glm::dvec3& p : randomPoints(2000, 2.0)) {
+      const TriangleTree::Nearest nearest = strip.nearest(p + offset, 1e9, guess);
+      EXPECT_EQ(nearest.distance, any.nearest(p + offset, 1e9).distance);
+      EXPECT_EQ(std::sqrt(strip.squaredTo(p + offset, nearest.triangle)), nearest.distance);
+      guess = nearest.triangle;
+    }
+  }
+}
+
 // Normals of a ball pass through its middle: a circle's curtain is a cone with its tip there.
 TEST(Curtain, OfACircleOnABallIsACone) {
   const DrawnSurface surface(shapes::ball(1.0, 5));
