@@ -190,6 +190,7 @@ struct SolidReport {
   MeshDefects defects;
   Fill fill = Fill::winding;         ///< the fill used, never automatic
   std::string fillReason;            ///< why, as a clause of a sentence
+  bool tookTooLong = false;          ///< a shell because winding numbers would take too long
   bool isThinnerThanVoxels = false;  ///< no voxel center lies inside the closed mesh: with
                                      ///< SolidOptions::keepMesh the voxels are a shell around it
   double shellThickness = 0.0;       ///< world units, of a shell; else 0

@@ -9,7 +9,6 @@
 #include "base/option_names.h"
 #include "base/printable.h"
 #include "base/text_scan.h"
-#include "voxelize/fill.h"
 
 namespace sherd {
 namespace {
@@ -153,7 +152,7 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
                        ", the mesh's own " + text(report.meshVolume) +
                        "; overlaps count once, and walls thinner than a voxel are lost");
   }
-  if (report.fillReason.ends_with(kTakesTooLong)) {
+  if (report.tookTooLong) {
     warnings.push_back(titleOf(source) + ": the mesh is a shell, since " + report.fillReason +
                        "; the fill winding closes it in any case");
   }

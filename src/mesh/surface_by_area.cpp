@@ -69,7 +69,12 @@ void SurfaceByArea::addParts() {
     partSums_.push_back(area += sums.empty() ? 0.0 : sums.back());
     ends_.push_back(triangles += sums.size());
   }
-  if (!(area > 0.0 && std::isfinite(area))) {
+  if (!std::isfinite(area)) {
+    throw Error(ErrorCode::input,
+                "the area of the mesh is not a finite number; points can be sampled only on a "
+                "surface with a finite area");
+  }
+  if (!(area > 0.0)) {
     throw Error(ErrorCode::input,
                 "the mesh has no area; points can be sampled only on a surface with area");
   }

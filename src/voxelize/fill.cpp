@@ -77,17 +77,19 @@ std::function<bool(const glm::dvec3&)> wound(const SearchedMesh& mesh) {
   };
 }
 
-std::uint64_t mostWork(const TriangleMesh& mesh, const SolidOptions& options) {
+std::uint64_t mostWork(const FillChoice& choice, const TriangleMesh& mesh,
+                       const SolidOptions& options) {
+  if (!choice.isLimited) return WorkLimit::kNone;
   const bool isGiven = options.resolution != kAutoResolution || options.voxelSize > 0.0;
   const double larger = longestSide(bounds(mesh)) / kLeastAutoResolution;
-  return static_cast<std::uint64_t>(kMostWork * (isGiven && larger > 1.0 ? larger * larger : 1.0));
+  return static_cast<std::uint64_t>(choice.workShare * kMostWork *
+                                    (isGiven && larger > 1.0 ? larger * larger : 1.0));
 }
 
 Filling windingOf(const SearchedMesh& mesh, const FillChoice& choice, const SolidOptions& options,
                   const Progress* progress) {
-  const std::uint64_t most = choice.isLimited ? mostWork(mesh.mesh, options) : WorkLimit::kNone;
-  const auto winding =
-      std::make_shared<GeneralizedWinding>(mesh.mesh, mesh.caps, mesh.tree, progress, most);
+  const auto winding = std::make_shared<GeneralizedWinding>(
+      mesh.mesh, mesh.caps, mesh.tree, progress, mostWork(choice, mesh.mesh, options));
   Filling out{.fill = Fill::winding,
               .reason = choice.reason,
               .surface = mesh.tree,

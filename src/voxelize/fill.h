@@ -17,9 +17,6 @@ namespace sherd {
 /// surface, and of a shell whose thickness is in voxels, lie in it.
 inline constexpr double kSurfaceLayer = 1.0 / 256;
 
-/// The end of the reason for a shell in place of an open mesh that is closed by winding numbers.
-inline constexpr const char* kTakesTooLong = " by winding numbers would take too long";
-
 /// A mesh with the data that several steps share.
 struct SearchedMesh {
   TriangleMesh mesh;
@@ -48,7 +45,8 @@ struct Filling {
 struct FillChoice {
   Fill fill = Fill::winding;  ///< not automatic
   std::string reason;         ///< why this fill, as half a sentence
-  bool isLimited = false;     ///< given up where it takes too long
+  bool isLimited = false;     ///< given up where it takes too long:
+  double workShare = 1.0;     ///< after this share of the usual limit
 };
 
 /// Returns the fill that `options` selects; the one that suits the mesh for Fill::automatic.

@@ -1,4 +1,6 @@
 // Voxelization of a mesh to a solid.
+#include "voxelize/voxelize.h"
+
 #include <sherd/error.h>
 #include <sherd/solid.h>
 
@@ -131,8 +133,8 @@ Solid filled(const MeshInGrid& in, const FillChoice& choice, const Box& box,
 }
 
 FillChoice shellInstead(const MeshDefects& defects) {
-  return {Fill::shell,
-          "to close " + std::to_string(defects.boundaryEdges) + " boundary edges" + kTakesTooLong};
+  return {Fill::shell, "to close " + std::to_string(defects.boundaryEdges) +
+                           " boundary edges by winding numbers would take too long"};
 }
 
 }  // namespace
@@ -180,12 +182,18 @@ int resolutionFor(const TriangleMesh& mesh, double voxelSize) {
 }
 
 Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
+  return voxelizeWithin(source, options, 1.0, progress);
+}
+
+Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, double workShare,
+                     const Progress* progress) {
   reportProgress(progress, "voxelize", 0.0);
   SolidOptions first = options;
   if (isAutomatic(options)) first.resolution = kLeastAutoResolution;
   MeshInGrid in = inGrid(source, voxelSizeFor(source, first), progress);
   reportProgress(progress, "voxelize", 0.1);
-  const FillChoice choice = chosenFill(in.clean, options);
+  FillChoice choice = chosenFill(in.clean, options);
+  choice.workShare = workShare;
   if (isAutomatic(options) && choice.fill != Fill::shell) {
     const int resolution = automaticResolutionOf(in.report.walls);
     if (resolution != first.resolution) {
@@ -200,6 +208,7 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   } catch (const TooMuchWork&) {
     if (isAutomatic(options)) in = inGrid(source, voxelSizeFor(source, first), progress);
     solid = filled(in, shellInstead(in.report.defects), box, options, progress);
+    solid.report.tookTooLong = true;
   }
   SolidReport& report = solid.report;
   const double voxelSize = solid.frame.voxelSize;

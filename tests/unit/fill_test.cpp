@@ -5,10 +5,12 @@
 #include <openvdb/openvdb.h>
 #include <sherd/error.h>
 #include <sherd/files.h>
+#include <sherd/folder.h>
 #include <sherd/fragments.h>
 #include <sherd/solid.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -35,6 +37,7 @@
 #include "voxelize/distance.h"
 #include "voxelize/exposed.h"
 #include "voxelize/holes.h"
+#include "voxelize/voxelize.h"
 
 namespace sherd {
 namespace {
@@ -687,6 +690,38 @@ TEST(Fill, EnclosureIsNoMoreThanThatOfAClosedMesh) {
     EXPECT_LT(enclosure(searched(looseTriangles(seed, 60, 2.0))), 0.75) << seed;
   }
   EXPECT_GT(enclosure(searched(shapes::ball(1.0))), 0.97);
+}
+
+TEST(Fill, AnOpenMeshThatTakesTooLongIsAShell) {
+  const TriangleMesh bowl =
+      without(shapes::ball(1.0, 3), [](const glm::dvec3& p) { return p.z > 0.7; });
+  for (const int resolution : {32, kAutoResolution}) {
+    SolidOptions options;
+    options.resolution = resolution;
+    const Solid usual = voxelizeWithin(bowl, options, 1.0);
+    EXPECT_EQ(usual.report.fill, Fill::winding);
+    EXPECT_FALSE(usual.report.tookTooLong);
+    const Solid late = voxelizeWithin(bowl, options, 1e-7);
+    EXPECT_EQ(late.report.fill, Fill::shell);
+    EXPECT_TRUE(late.report.tookTooLong);
+    EXPECT_NE(late.report.fillReason.find("boundary edges"), std::string::npos);
+    options.fill = Fill::winding;
+    EXPECT_EQ(voxelizeWithin(bowl, options, 1e-7).report.fill, Fill::winding);
+    options.fill = Fill::shell;
+    EXPECT_EQ(late.voxels, voxelize(bowl, options).voxels);
+
+    FractureResult result;
+    result.solid = late;
+    SourceMesh source;
+    source.mesh = bowl;
+    const std::vector<std::string> warnings = meshWarnings(source, result);
+    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
+                            [](const std::string& warning) {
+                              return warning.find("take too long; the fill winding") !=
+                                     std::string::npos;
+                            }),
+              1);
+  }
 }
 
 // A limit of work is one of the mesh and the resolution, whatever threads do it.

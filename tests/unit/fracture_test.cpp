@@ -4,7 +4,9 @@
 #include <openvdb/openvdb.h>
 #include <sherd/error.h>
 #include <sherd/fracture.h>
+#include <sherd/points.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -286,6 +288,39 @@ TEST_F(Fracture, CreasesAtRightAnglesUpToRoundingGiveFiniteNumbers) {
   // Their creases and corners are vertices, so that the meshes are the bars.
   EXPECT_NEAR(sum, kBars * 8.0, 1e-6);
   EXPECT_NEAR(areas, kBars * 34.0, 1e-6);
+}
+
+// A number that is none, however it came about, passes through no function of the library.
+TEST_F(Fracture, NoNumberThatIsNotFiniteIsReturned) {
+  const auto refuses = [](const auto& make) {
+    try {
+      (void)make();
+      ADD_FAILURE();
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("finite"), std::string::npos) << e.what();
+    }
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  FractureResult whole =
+      fracture(shapes::ball(1.0), {.pieces = 3, .solid = {.resolution = 24}}, device());
+  const auto damaged = whole.solid.distance->deepCopy();
+  for (auto value = damaged->beginValueOn(); value; ++value) {
+    if (std::abs(*value) < 0.3f * static_cast<float>(damaged->voxelSize().x())) {
+      value.setValue(static_cast<float>(nan));
+      break;
+    }
+  }
+  Solid solid = whole.solid;
+  solid.distance = damaged;
+  refuses([&] { return extractFragments(solid, whole.labels); });
+  refuses([&] { return samplePoints(solid, whole.labels, {.points = {.count = 5000}}); });
+
+  TriangleMesh& mesh = whole.fragments[0].mesh;
+  const auto face = std::find_if(mesh.neighbor.begin(), mesh.neighbor.end(),
+                                 [](std::uint16_t neighbor) { return neighbor > 0; });
+  ASSERT_NE(face, mesh.neighbor.end());
+  mesh.vertices[mesh.triangles[static_cast<std::size_t>(face - mesh.neighbor.begin())].x].z = nan;
+  refuses([&] { return sampleCorrespondences(whole.fragments, 10, 0); });
 }
 
 // Whatever makes a number that is none, no fracture with it is returned.
