@@ -7,6 +7,7 @@
 #include "exact/bounded.h"
 #include "exact/determinant.h"
 #include "exact/dyadic.h"
+#include "exact/homogeneous_point.h"
 
 namespace sherd {
 namespace {
@@ -14,30 +15,7 @@ namespace {
 constexpr double kEpsilon = 0x1p-53;
 constexpr double kTiny = 1e-290;  // covers underflow in a product
 
-// The coordinates of a point, multiplied by `weight`.
-struct Homogeneous {
-  std::array<Dyadic, 3> at;
-  Dyadic weight;
-};
-
-Homogeneous exactPosition(const ExactPoint& p) {
-  if (p.isVertex) {
-    return {{Dyadic(p.rounded.x), Dyadic(p.rounded.y), Dyadic(p.rounded.z)}, Dyadic(1.0)};
-  }
-  const glm::dvec3 &a = p.edge[0], &b = p.edge[1];
-  const auto& [c, d, e] = p.corner;
-  const Dyadic da = determinant<Dyadic>(c, d, e, a), db = determinant<Dyadic>(c, d, e, b);
-  const auto at = [&](int axis) { return Dyadic(b[axis]) * da - Dyadic(a[axis]) * db; };
-  return {{at(0), at(1), at(2)}, da - db};
-}
-
-void roundExactly(ExactPoint& p, int axis) {
-  const Homogeneous exact = exactPosition(p);
-  const Dyadic& product = exact.at[static_cast<std::size_t>(axis)];
-  p.rounded[axis] = quotient(product, exact.weight);
-  p.rest[axis] = quotient(product - Dyadic(p.rounded[axis]) * exact.weight, exact.weight);
-  p.error[axis] = std::abs(p.rest[axis]) * 2.0 * kEpsilon + kTiny;
-}
+void roundExactly(ExactPoint& p, int axis) { roundAlong(positionOf(p), axis, p); }
 
 // Returns true if every number within the error rounds to `high`.
 bool isRoundedRight(const Bounded& p) {
@@ -48,7 +26,7 @@ bool isRoundedRight(const Bounded& p) {
 int exactOrientation(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, int axis) {
   const auto u = static_cast<std::size_t>((axis + 1) % 3);
   const auto v = static_cast<std::size_t>((axis + 2) % 3);
-  const Homogeneous a = exactPosition(p), b = exactPosition(q), c = exactPosition(r);
+  const HomogeneousPoint a = positionOf(p), b = positionOf(q), c = positionOf(r);
   const Dyadic value = a.weight * (b.at[u] * c.at[v] - b.at[v] * c.at[u]) +
                        b.weight * (c.at[u] * a.at[v] - c.at[v] * a.at[u]) +
                        c.weight * (a.at[u] * b.at[v] - a.at[v] * b.at[u]);

@@ -1,0 +1,186 @@
+// The union of the bodies of one mesh, by the winding numbers in its arrangement.
+#include "exact/unite.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "exact/arrangement.h"
+#include "exact/crossing_point.h"
+#include "exact/self_crossings.h"
+#include "exact/winding_of_patches.h"
+#include "mesh/boxes.h"
+#include "mesh/positions.h"
+#include "mesh/triangle_tree.h"
+
+namespace sherd {
+namespace {
+
+constexpr const char* kStage = "unite";
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+// The triangles that have an area, of vertices at different positions.
+TriangleMesh withArea(const TriangleMesh& mesh) {
+  TriangleMesh out{mesh.vertices, {}};
+  const std::vector<std::uint32_t> position = firstAtPosition(mesh.vertices);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& c = mesh.triangles[t];
+    const glm::uvec3 corner(position[c.x], position[c.y], position[c.z]);
+    if (areCollinear({mesh.vertices[c.x], mesh.vertices[c.y], mesh.vertices[c.z]})) continue;
+    out.triangles.push_back(corner);
+    out.source.push_back(t);
+  }
+  return out;
+}
+
+// A triangle of the union, by the numbers of the mesh's vertices and, after those, of new ones.
+struct Kept {
+  glm::uvec3 corner{0};
+  std::uint32_t source = 0;
+  std::uint8_t isPart = 0;  // of a triangle that others meet
+};
+
+// Gives points that are rounded to one position one number, and leaves out triangles that vanish by
+// that: those with two equal corners, and pairs back to back.
+void mergeRounded(const PointSet& points, std::vector<Kept>& all) {
+  std::vector<glm::dvec3> rounded;
+  for (std::uint32_t p = 0; p < points.count(); ++p) rounded.push_back(points.rounded(p));
+  const std::vector<std::uint32_t> first = firstAtPosition(rounded);
+  std::map<std::array<std::uint32_t, 3>, std::vector<std::uint32_t>> partsAt;
+  std::vector<bool> isGone(all.size(), false);
+  for (std::uint32_t i = 0; i < all.size(); ++i) {
+    glm::uvec3& c = all[i].corner;
+    if (all[i].isPart == 0) continue;
+    c = {first[c.x], first[c.y], first[c.z]};
+    isGone[i] = c.x == c.y || c.y == c.z || c.z == c.x;
+    std::array<std::uint32_t, 3> sorted{c.x, c.y, c.z};
+    std::sort(sorted.begin(), sorted.end());
+    if (!isGone[i]) partsAt[sorted].push_back(i);
+  }
+  const auto isEven = [&](std::uint32_t i) {
+    const glm::uvec3& c = all[i].corner;
+    return ((c.x > c.y ? 1 : 0) + (c.y > c.z ? 1 : 0) + (c.x > c.z ? 1 : 0)) % 2 == 0;
+  };
+  for (const auto& [corners, own] : partsAt) {
+    std::array<std::vector<std::uint32_t>, 2> sides;
+    for (const std::uint32_t i : own) sides[isEven(i) ? 1 : 0].push_back(i);
+    const std::size_t pairs = std::min(sides[0].size(), sides[1].size());
+    for (std::size_t k = 0; k < pairs; ++k) isGone[sides[0][k]] = isGone[sides[1][k]] = true;
+  }
+  std::size_t i = 0;
+  std::erase_if(all, [&](const Kept&) { return isGone[i++]; });
+}
+
+// The mesh of the vertices that are used, the given ones first.
+TriangleMesh meshOf(const std::vector<Kept>& kept, const PointSet& points) {
+  std::vector<std::uint32_t> number(points.count(), kNone);
+  for (const Kept& t : kept) {
+    for (int k = 0; k < 3; ++k) number[t.corner[k]] = 0;
+  }
+  TriangleMesh out;
+  for (std::uint32_t p = 0; p < number.size(); ++p) {
+    if (number[p] == kNone) continue;
+    number[p] = static_cast<std::uint32_t>(out.vertices.size());
+    out.vertices.push_back(points.rounded(p));
+  }
+  for (const Kept& t : kept) {
+    out.triangles.emplace_back(number[t.corner.x], number[t.corner.y], number[t.corner.z]);
+    out.source.push_back(t.source);
+  }
+  return out;
+}
+
+// Marks the triangles of components whose boxes meet that of another component.
+std::vector<std::uint8_t> nearOthers(const TriangleMesh& mesh, const MeshComponents& components) {
+  std::vector<std::optional<Box>> boxes(components.count);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& c = mesh.triangles[t];
+    const Box own = boxOf({mesh.vertices[c.x], mesh.vertices[c.y], mesh.vertices[c.z]});
+    std::optional<Box>& box = boxes[components.ofTriangle[t]];
+    box = box ? Box{glm::min(box->min, own.min), glm::max(box->max, own.max)} : own;
+  }
+  std::vector<std::uint32_t> order(components.count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return boxes[a]->min.x != boxes[b]->min.x ? boxes[a]->min.x < boxes[b]->min.x : a < b;
+  });
+  std::vector<std::uint8_t> isNear(components.count, 0);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      const Box &a = *boxes[order[i]], &b = *boxes[order[j]];
+      if (b.min.x > a.max.x) break;
+      if (meet(a, b)) isNear[order[i]] = isNear[order[j]] = 1;
+    }
+  }
+  std::vector<std::uint8_t> marks;
+  marks.reserve(mesh.triangles.size());
+  for (const std::uint32_t c : components.ofTriangle) marks.push_back(isNear[c]);
+  return marks;
+}
+
+}  // namespace
+
+bool componentsMeet(const TriangleMesh& mesh, const Progress* progress) {
+  const MeshComponents components = meshComponents(mesh);
+  if (components.count < 2) return false;
+  const std::vector<std::uint8_t> isNear = nearOthers(mesh, components);
+  if (std::find(isNear.begin(), isNear.end(), 1) == isNear.end()) return false;
+  if (!selfCrossings(mesh.vertices, mesh.triangles, progress,
+                     {.of = isNear, .source = components.ofTriangle})
+           .empty()) {
+    return true;
+  }
+  // All that is left are components within others.
+  TriangleMesh whole = withArea(mesh);
+  std::vector<ArrangedTriangle> parts;
+  for (std::uint32_t t = 0; t < whole.triangles.size(); ++t) {
+    if (isNear[whole.source[t]] != 0) parts.push_back({whole.triangles[t], t});
+  }
+  const auto winding =
+      windingInFront(whole, TriangleTree(whole), parts, PointSet(whole.vertices), progress);
+  return winding && std::any_of(winding->begin(), winding->end(), [](int w) { return w != 0; });
+}
+
+UnitedMesh unite(const TriangleMesh& mesh, const Progress* progress) {
+  reportProgress(progress, kStage, 0.0);
+  const TriangleMesh whole = withArea(mesh);
+  if (whole.triangles.empty()) return {.failure = "no triangle of the mesh has an area"};
+  const auto pairs = selfCrossings(whole.vertices, whole.triangles, progress);
+  reportProgress(progress, kStage, 0.3);
+  PointSet points(whole.vertices);
+  std::vector<std::uint8_t> isDivided;
+  const std::vector<ArrangedTriangle> parts =
+      arrangementOf(whole.vertices, whole.triangles, pairs, points, isDivided, progress);
+  if (parts.empty()) return {.failure = "the triangles that cross each other can't be divided"};
+  reportProgress(progress, kStage, 0.6);
+  const auto winding = windingInFront(whole, TriangleTree(whole), parts, points, progress);
+  if (!winding) return {.failure = "the bodies that overlap or touch are not closed"};
+  std::vector<Kept> kept;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const ArrangedTriangle& part = parts[p];
+    const int inFront = (*winding)[p], behind = inFront + static_cast<int>(part.multiplicity);
+    if (inFront > 0 || behind < 1) continue;
+    kept.push_back({part.corner, whole.source[part.source], isDivided[part.source]});
+  }
+  mergeRounded(points, kept);
+  if (kept.empty()) return {.failure = "the mesh has no inside"};
+  UnitedMesh united{.mesh = meshOf(kept, points)};
+  reportProgress(progress, kStage, 0.8);
+  std::vector<std::uint8_t> isPart;
+  for (const Kept& t : kept) isPart.push_back(t.isPart);
+  const auto crossings =
+      selfCrossings(united.mesh.vertices, united.mesh.triangles, progress, {.of = isPart});
+  if (!crossings.empty()) {
+    return {.failure = "rounding makes parts of the bodies that overlap or touch cross"};
+  }
+  reportProgress(progress, kStage, 1.0);
+  return united;
+}
+
+}  // namespace sherd
