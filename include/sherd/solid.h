@@ -199,6 +199,7 @@ struct SolidReport {
   WallThickness walls{};
   ResolutionChoice resolution{};
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner
+  std::uint64_t gaps = 0;     ///< voxels taken away between bodies closer than a voxel
 };
 
 class Seams;

@@ -88,6 +88,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
   }
   json["solid_volume"] = solidVolume(result);
   json["bridges"] = report.bridges;
+  json["gaps"] = report.gaps;
   json["resolution"] = {{"used", report.resolution.resolution},
                         {"automatic", report.resolution.automatic},
                         {"for_walls", report.walls.forWalls},
@@ -129,6 +130,10 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
   }
   if (defects.flippedComponents > 0) {
     done += "; " + counted(defects.flippedComponents, "inside-out component") + " flipped";
+  }
+
+  if (report.gaps > 0) {
+    done += "; " + counted(report.gaps, "voxel") + " taken away between bodies closer than a voxel";
   }
 
   std::string volumes = "volume " + text(solidVolume(result));

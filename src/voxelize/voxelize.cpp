@@ -15,6 +15,7 @@
 #include "mesh/joined.h"
 #include "mesh/repair.h"
 #include "mesh/seams.h"
+#include "voxelize/body_gaps.h"
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
@@ -93,9 +94,9 @@ bool isAutomatic(const SolidOptions& options) {
 }
 
 // Sets the voxels, with how they were filled, which may be none.
-//   box  of the mesh, world units
-void fill(Solid& solid, const Filling& filling, const Box& box, const SolidOptions& options,
-          const Progress* progress) {
+//   source  the mesh, world units
+void fill(Solid& solid, const Filling& filling, const MeshInGrid& in, const TriangleMesh& source,
+          const SolidOptions& options, const Progress* progress) {
   const double voxelSize = solid.frame.voxelSize;
   SolidReport& report = solid.report;
   report.fill = filling.fill;
@@ -110,9 +111,15 @@ void fill(Solid& solid, const Filling& filling, const Box& box, const SolidOptio
   LeafBlocks blocks = leafBlocks(*distance);
   const std::vector<std::size_t> bridges = bridgesOf(blocks, filling, progress);
   addVoxels(*distance, blocks, bridges);
+  if (filling.fill == Fill::winding && report.defects.closed()) {
+    const std::vector<std::size_t> gaps = bodyGapsOf(blocks, in.clean, source.vertices, progress);
+    takeVoxels(*distance, blocks, gaps);
+    report.gaps = gaps.size();
+  }
   solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   report.bridges = bridges.size();
   solid.distance = distance;
+  const Box box = bounds(source);
   const bool isAsVoxels = filling.fill != Fill::shell || options.shellThickness > 0.0;
   solid.region = std::make_shared<const SolidRegion>(
       (box.max - box.min) / voxelSize, filling.surface, filling.contains,
@@ -122,13 +129,13 @@ void fill(Solid& solid, const Filling& filling, const Box& box, const SolidOptio
 
 // Returns the solid of a mesh in a grid, with its report, which may have no voxels.
 //   throws  TooMuchWork, if the choice is limited
-Solid filled(const MeshInGrid& in, const FillChoice& choice, const Box& box,
+Solid filled(const MeshInGrid& in, const FillChoice& choice, const TriangleMesh& source,
              const SolidOptions& options, const Progress* progress) {
   Solid solid;
   solid.frame = in.frame;
   solid.report = in.report;
-  fill(solid, fillingOf(choice, in.clean, in.mesh, options, in.frame.voxelSize, progress), box,
-       options, progress);
+  fill(solid, fillingOf(choice, in.clean, in.mesh, options, in.frame.voxelSize, progress), in,
+       source, options, progress);
   return solid;
 }
 
@@ -201,13 +208,12 @@ Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, do
       reportProgress(progress, "voxelize", 0.2);
     }
   }
-  const Box box = bounds(source);
   Solid solid;
   try {
-    solid = filled(in, choice, box, options, progress);
+    solid = filled(in, choice, source, options, progress);
   } catch (const TooMuchWork&) {
     if (isAutomatic(options)) in = inGrid(source, voxelSizeFor(source, first), progress);
-    solid = filled(in, shellInstead(in.report.defects), box, options, progress);
+    solid = filled(in, shellInstead(in.report.defects), source, options, progress);
     solid.report.tookTooLong = true;
   }
   SolidReport& report = solid.report;
@@ -218,8 +224,8 @@ Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, do
     // The voxels only decide where cracks run.
     report.isThinnerThanVoxels = true;
     const FillChoice shell{Fill::shell, "no voxel center lies inside the closed mesh"};
-    fill(solid, fillingOf(shell, in.clean, in.mesh, options, voxelSize, progress), box, options,
-         progress);
+    fill(solid, fillingOf(shell, in.clean, in.mesh, options, voxelSize, progress), in, source,
+         options, progress);
   }
   if (options.keepMesh) {
     solid.mesh = std::make_shared<const SolidMesh>(
