@@ -91,9 +91,13 @@ bool areFolded(const Corners& s, const std::array<bool, 3>& inT, const Corners& 
   };
   const glm::dvec3 &p = t[free(inS)], &q = s[free(inT)];
   if (orientation(s[0], s[1], s[2], p) != 0) return false;
-  const glm::dvec3 &from = s[(free(inT) + 1) % 3], &to = s[(free(inT) + 2) % 3];
-  const glm::dvec3 along = to - from;
-  return glm::dot(glm::cross(along, p - from), glm::cross(along, q - from)) >= 0.0;
+  const ExactPoint from(s[(free(inT) + 1) % 3]), to(s[(free(inT) + 2) % 3]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int ofP = orientation(from, to, ExactPoint(p), axis);
+    const int ofQ = orientation(from, to, ExactPoint(q), axis);
+    if (ofP * ofQ != 0) return ofP == ofQ;
+  }
+  return true;  // one has no area
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -199,6 +200,16 @@ TEST(SelfCrossings, TrianglesThatShareAnEdgeCrossIfTheyAreFolded) {
   EXPECT_TRUE(crossingsOf(mesh).empty());
   mesh.triangles[1] = {2, 1, 0};  // the same triangle reversed
   EXPECT_EQ(crossingsOf(mesh), kFirstTwo);
+}
+
+// A sliver with corners as near to each other as numbers are: the difference of its corner to one
+// far away is rounded to that of its neighbor's.
+TEST(SelfCrossings, ASliverBesideATriangleIsNotFoldedOntoIt) {
+  const double y = -0.2, next = std::nextafter(std::nextafter(y, 0.0), 0.0);
+  const std::vector<glm::dvec3> vertices{
+      {0.5, -0.5, -0.5}, {0.5, 0.5, -0.5}, {0.5, y, -0.2}, {0.5, next, -0.2}};
+  EXPECT_TRUE(selfCrossings(vertices, std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 3}}).empty());
+  EXPECT_EQ(selfCrossings(vertices, std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 0}}).size(), 1u);
 }
 
 TEST(SelfCrossings, ATriangleWithoutAreaIsASegment) {
