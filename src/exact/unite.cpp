@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -11,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/union_find.h"
 #include "exact/arrangement.h"
 #include "exact/crossing_point.h"
 #include "exact/self_crossings.h"
@@ -24,6 +28,15 @@ namespace {
 
 constexpr const char* kStage = "unite";
 constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr const char* kRounding = "rounding makes parts of the bodies that overlap or touch cross";
+
+// Grids for meshes whose union can't be rounded, bits of the longest side, down to about what
+// single precision has.  Faces that are equal but for rounding come to one plane, or far enough
+// apart for double precision.
+constexpr std::array<int, 3> kGridBits{40, 32, 24};
+// Triangles thinner than this part of the longest side are a reason to use them too.
+constexpr int kThinBits = 44;
+constexpr int kMostRounds = 4;  // of uniting the rounded union with itself
 
 // The triangles that have an area, of vertices at different positions.
 TriangleMesh withArea(const TriangleMesh& mesh) {
@@ -96,6 +109,33 @@ TriangleMesh meshOf(const std::vector<Kept>& kept, const PointSet& points) {
   return out;
 }
 
+// The components of triangles connected over edges; nothing if an edge has more than two triangles.
+std::optional<MeshComponents> componentsOf(const TriangleMesh& mesh) {
+  std::vector<std::array<std::uint32_t, 3>> edges;  // ends, triangle
+  edges.reserve(3 * mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax({mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]});
+      edges.push_back({low, high, t});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  const auto isSame = [&](std::size_t i, std::size_t j) {
+    return j < edges.size() && edges[i][0] == edges[j][0] && edges[i][1] == edges[j][1];
+  };
+  UnionFind sets(mesh.triangles.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (isSame(i, i + 2)) return std::nullopt;
+    if (isSame(i, i + 1)) sets.unite(edges[i][2], edges[i + 1][2]);
+  }
+  MeshComponents components{std::move(sets).all(), 0};
+  for (std::uint32_t t = 0; t < components.ofTriangle.size(); ++t) {
+    std::uint32_t& own = components.ofTriangle[t];
+    own = own == t ? components.count++ : components.ofTriangle[own];
+  }
+  return components;
+}
+
 // Marks the triangles of components whose boxes meet that of another component.
 std::vector<std::uint8_t> nearOthers(const TriangleMesh& mesh, const MeshComponents& components) {
   std::vector<std::optional<Box>> boxes(components.count);
@@ -124,15 +164,92 @@ std::vector<std::uint8_t> nearOthers(const TriangleMesh& mesh, const MeshCompone
   return marks;
 }
 
+// The union; where rounding makes its parts cross, with that failure and the mesh that crosses.
+UnitedMesh unitedOnce(const TriangleMesh& mesh, const Progress* progress) {
+  const TriangleMesh whole = withArea(mesh);
+  if (whole.triangles.empty()) return {.failure = "no triangle of the mesh has an area"};
+  const auto pairs = selfCrossings(whole.vertices, whole.triangles, progress);
+  PointSet points(whole.vertices);
+  std::vector<std::uint8_t> isDivided;
+  const std::vector<ArrangedTriangle> parts =
+      arrangementOf(whole.vertices, whole.triangles, pairs, points, isDivided, progress);
+  if (parts.empty()) return {.failure = "the triangles that cross each other can't be divided"};
+  const auto winding = windingInFront(whole, TriangleTree(whole), parts, points, progress);
+  if (!winding) return {.failure = "the bodies that overlap or touch are not closed"};
+  std::vector<Kept> kept;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const ArrangedTriangle& part = parts[p];
+    const int inFront = (*winding)[p], behind = inFront + static_cast<int>(part.multiplicity);
+    if (inFront > 0 || behind < 1) continue;
+    kept.push_back({part.corner, whole.source[part.source], isDivided[part.source]});
+  }
+  mergeRounded(points, kept);
+  if (kept.empty()) return {.failure = "the mesh has no inside"};
+  UnitedMesh united{.mesh = meshOf(kept, points),
+                    .isChanged = !pairs.empty() || kept.size() != mesh.triangles.size()};
+  std::vector<std::uint8_t> isPart;
+  for (const Kept& t : kept) isPart.push_back(t.isPart);
+  const auto crossings =
+      selfCrossings(united.mesh.vertices, united.mesh.triangles, progress, {.of = isPart});
+  if (!crossings.empty()) united.failure = kRounding;
+  return united;
+}
+
+bool isCrossedByRounding(const UnitedMesh& united) { return united.failure == kRounding; }
+
+// Whether a mesh has new triangles that are thinner than a length: a cut through such is likely to
+// fail by rounding.
+bool hasThinner(const TriangleMesh& mesh, const TriangleMesh& source, double length) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3 &own = mesh.triangles[t], &from = source.triangles[mesh.source[t]];
+    const auto cornersOf = [&](const TriangleMesh& of, const glm::uvec3& c) {
+      return std::array{of.vertices[c.x], of.vertices[c.y], of.vertices[c.z]};
+    };
+    const auto [a, b, c] = cornersOf(mesh, own);
+    const double longest =
+        std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+    if (glm::length(glm::cross(b - a, c - a)) >= length * longest) continue;
+    if (cornersOf(mesh, own) != cornersOf(source, from)) return true;
+  }
+  return false;
+}
+
+// The mesh with vertices on a grid of size * 2^-bits, for a size rounded to a power of two: those
+// of triangles that cross others, or are as close to such as a step of the grid.
+TriangleMesh snapped(const TriangleMesh& mesh, double size, int bits, const Progress* progress) {
+  const double step = std::ldexp(1.0, std::ilogb(size) - bits);
+  const TriangleTree tree(mesh);
+  const auto boxAt = [&](std::uint32_t t) {
+    const glm::uvec3& c = mesh.triangles[t];
+    return boxOf({mesh.vertices[c.x], mesh.vertices[c.y], mesh.vertices[c.z]});
+  };
+  std::vector<bool> isCrossed(mesh.triangles.size(), false), isMoved(mesh.vertices.size(), false);
+  for (const auto& pair : selfCrossings(mesh.vertices, mesh.triangles, progress)) {
+    for (const std::uint32_t t : pair) isCrossed[t] = true;
+  }
+  for (std::uint32_t t = 0; t < isCrossed.size(); ++t) {
+    if (!isCrossed[t]) continue;
+    for (const std::uint32_t near : tree.meeting(widened(boxAt(t), 2.0 * step))) {
+      for (int k = 0; k < 3; ++k) isMoved[mesh.triangles[tree.source(near)][k]] = true;
+    }
+  }
+  TriangleMesh out{mesh.vertices, mesh.triangles};
+  for (std::size_t v = 0; v < isMoved.size(); ++v) {
+    if (isMoved[v]) out.vertices[v] = glm::round(out.vertices[v] / step) * step;
+  }
+  return out;
+}
+
 }  // namespace
 
 bool componentsMeet(const TriangleMesh& mesh, const Progress* progress) {
-  const MeshComponents components = meshComponents(mesh);
-  if (components.count < 2) return false;
-  const std::vector<std::uint8_t> isNear = nearOthers(mesh, components);
+  const std::optional<MeshComponents> components = componentsOf(mesh);
+  if (!components) return true;
+  if (components->count < 2) return false;
+  const std::vector<std::uint8_t> isNear = nearOthers(mesh, *components);
   if (std::find(isNear.begin(), isNear.end(), 1) == isNear.end()) return false;
   if (!selfCrossings(mesh.vertices, mesh.triangles, progress,
-                     {.of = isNear, .source = components.ofTriangle})
+                     {.of = isNear, .source = components->ofTriangle})
            .empty()) {
     return true;
   }
@@ -149,35 +266,20 @@ bool componentsMeet(const TriangleMesh& mesh, const Progress* progress) {
 
 UnitedMesh unite(const TriangleMesh& mesh, const Progress* progress) {
   reportProgress(progress, kStage, 0.0);
-  const TriangleMesh whole = withArea(mesh);
-  if (whole.triangles.empty()) return {.failure = "no triangle of the mesh has an area"};
-  const auto pairs = selfCrossings(whole.vertices, whole.triangles, progress);
-  reportProgress(progress, kStage, 0.3);
-  PointSet points(whole.vertices);
-  std::vector<std::uint8_t> isDivided;
-  const std::vector<ArrangedTriangle> parts =
-      arrangementOf(whole.vertices, whole.triangles, pairs, points, isDivided, progress);
-  if (parts.empty()) return {.failure = "the triangles that cross each other can't be divided"};
-  reportProgress(progress, kStage, 0.6);
-  const auto winding = windingInFront(whole, TriangleTree(whole), parts, points, progress);
-  if (!winding) return {.failure = "the bodies that overlap or touch are not closed"};
-  std::vector<Kept> kept;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const ArrangedTriangle& part = parts[p];
-    const int inFront = (*winding)[p], behind = inFront + static_cast<int>(part.multiplicity);
-    if (inFront > 0 || behind < 1) continue;
-    kept.push_back({part.corner, whole.source[part.source], isDivided[part.source]});
-  }
-  mergeRounded(points, kept);
-  if (kept.empty()) return {.failure = "the mesh has no inside"};
-  UnitedMesh united{.mesh = meshOf(kept, points)};
-  reportProgress(progress, kStage, 0.8);
-  std::vector<std::uint8_t> isPart;
-  for (const Kept& t : kept) isPart.push_back(t.isPart);
-  const auto crossings =
-      selfCrossings(united.mesh.vertices, united.mesh.triangles, progress, {.of = isPart});
-  if (!crossings.empty()) {
-    return {.failure = "rounding makes parts of the bodies that overlap or touch cross"};
+  UnitedMesh united = unitedOnce(mesh, progress);
+  const double size = longestSide(bounds(mesh)), thin = std::ldexp(size, -kThinBits);
+  if (!united.isChanged && united.failure.empty()) return united;
+  for (const int bits : kGridBits) {
+    if (united.failure.empty() && !hasThinner(united.mesh, mesh, thin)) break;
+    UnitedMesh onGrid = unitedOnce(snapped(mesh, size, bits, progress), progress);
+    for (int round = 1; round < kMostRounds && isCrossedByRounding(onGrid); ++round) {
+      UnitedMesh again = unitedOnce(onGrid.mesh, progress);
+      for (std::uint32_t& source : again.mesh.source) source = onGrid.mesh.source[source];
+      onGrid = std::move(again);
+    }
+    if (!onGrid.failure.empty() && united.failure.empty()) break;
+    united = std::move(onGrid);
+    united.isChanged = true;
   }
   reportProgress(progress, kStage, 1.0);
   return united;

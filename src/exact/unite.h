@@ -10,12 +10,14 @@ namespace sherd {
 
 /// A mesh whose bodies are united, or why it could not be made.
 struct UnitedMesh {
-  TriangleMesh mesh{};    ///< with TriangleMesh::source by the mesh that was given
-  std::string failure{};  ///< a clause; empty if `mesh` is valid
+  TriangleMesh mesh{};     ///< with TriangleMesh::source by the mesh that was given
+  bool isChanged = false;  ///< whether it is not what was given
+  std::string failure{};   ///< a clause; empty if `mesh` is valid
 };
 
-/// Returns whether components of a closed mesh touch, overlap or lie within others so that the
-/// winding number is 2 or more somewhere; exact, but for components that cross themselves only.
+/// Returns whether components of a closed mesh, those of triangles connected over edges, touch,
+/// overlap or lie within others so that the winding number is 2 or more somewhere; exact.  A body
+/// that only crosses itself is not found.
 ///   mesh    vertices at one position are one vertex
 ///   throws  Error(cancelled)
 [[nodiscard]] bool componentsMeet(const TriangleMesh& mesh, const Progress* progress = nullptr);

@@ -289,6 +289,48 @@ TEST(Unite, BallsKeepTrianglesThatNothingTouches) {
   EXPECT_GT(whole, united.mesh.triangles.size() / 2);
 }
 
+// Bricks at sums of steps, which differ by rounding from those of their neighbors, rotated so that
+// no two faces are in one plane.
+TEST(Unite, WallsThatTouchButForRounding) {
+  std::mt19937 random(3);
+  for (const double jitter : {0.0, 1e-16, 1e-13, 1e-9}) {
+    std::uniform_real_distribution<double> noise(-jitter, jitter);
+    TriangleMesh wall;
+    for (int i = 0; i < 12; ++i) {
+      const int row = i / 4;
+      const double x = (i % 4) * 0.3 + 0.15 * (row % 2), z = row * 0.1;
+      wall = append(wall, boxAt({x, 0, z}, {x + 0.3, 0.2, z + 0.1}));
+    }
+    const glm::dmat3 rotation = randomRotation(random);
+    for (glm::dvec3& v : wall.vertices) {
+      v = rotation * v + glm::dvec3(noise(random), noise(random), noise(random));
+    }
+    const UnitedMesh united = unite(wall);
+    ASSERT_EQ(united.failure, "") << jitter;
+    EXPECT_EQ(openEdges(united.mesh), 0u);
+    EXPECT_TRUE(selfCrossings(united.mesh.vertices, united.mesh.triangles).empty());
+    // Single precision is the coarsest grid that vertices may be moved to.
+    EXPECT_NEAR(volume(united.mesh), 12 * 0.3 * 0.2 * 0.1, 1e-6);
+  }
+}
+
+TEST(Unite, EqualBodiesButForRounding) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> noise(-4e-16, 4e-16);
+  for (int i = 0; i < 20; ++i) {
+    TriangleMesh box = cube(1.0);
+    const glm::dmat3 rotation = randomRotation(random);
+    for (glm::dvec3& v : box.vertices) v = rotation * v + glm::dvec3(1, 2, 3);
+    TriangleMesh other = box;
+    for (glm::dvec3& v : other.vertices)
+      v += glm::dvec3(noise(random), noise(random), noise(random));
+    const UnitedMesh united = unite(append(box, other));
+    ASSERT_EQ(united.failure, "");
+    EXPECT_NEAR(volume(united.mesh), 1.0, 1e-6);
+    EXPECT_EQ(openEdges(united.mesh), 0u);
+  }
+}
+
 TEST(Unite, ABodyThatCrossesItself) {
   // A bar that is bent through itself: four boxes around a hole, as one component by a shared edge.
   TriangleMesh mesh = append(boxAt({0, 0, 0}, {3, 1, 1}), boxAt({0, 2, 0}, {3, 3, 1}));
