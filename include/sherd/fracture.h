@@ -100,6 +100,7 @@ struct FractureResult {
       unmerged{};              ///< with SurfaceOptions::points, if triangles of meshes are merged
   std::string exactFailure{};  ///< why Surface::exact was replaced by Surface::smooth, as a clause;
                                ///< empty if it was not
+  UnitedBodies united{};       ///< of Surface::exact
   std::size_t withheld = 0;    ///< the last `withheld` fragments are withheld
   std::vector<int> parents;    ///< [fragments] of refracture: id of the old fragment that
                                ///< each comes from; else empty

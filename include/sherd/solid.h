@@ -212,6 +212,14 @@ struct SolidMesh {
   std::vector<std::uint32_t> source;  ///< [triangles] index in the input
 };
 
+/// The mesh that Surface::exact has where bodies of the input overlap, touch or cross themselves:
+/// their union.
+struct UnitedBodies {
+  std::size_t before = 0;                   ///< bodies of the input
+  std::size_t after = 0;                    ///< bodies of the union
+  std::shared_ptr<const SolidMesh> mesh{};  ///< null if there is nothing to unite
+};
+
 /// A solid, read-only once returned.
 struct Solid {
   GridFrame frame;

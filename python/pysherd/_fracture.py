@@ -80,6 +80,8 @@ class Fracture(Sequence[Fragment]):
             kept[meshes] = file_errors(_core.fragments(self._core, meshes), progress, self._is_loaded)
             if meshes and self._core.exact_failure:
                 warn([self._core.exact_failure + ", so fragments have the smooth surface instead of the exact one"])
+            if meshes and self._core.united_text:
+                warn([self._core.united_text])
         return kept[meshes]
 
     # --- the whole

@@ -221,6 +221,7 @@ void bindFractures(nb::module_& module) {
       .def_prop_ro("count", &Fracture::count)
       .def_prop_ro("seed", &Fracture::seed)
       .def_prop_ro("exact_failure", &Fracture::exactFailure)
+      .def_prop_ro("united_text", &Fracture::unitedText)
       .def_prop_ro("guide_warnings", &Fracture::guideWarnings)
       .def_prop_ro("voxel_size", [](const Fracture& f) { return f.frame().voxelSize; })
       .def_prop_ro("origin", [](const Fracture& f) {

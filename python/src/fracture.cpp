@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/memory_gate.h"
 #include "base/uncancelled.h"
+#include "folder/mesh_report.h"
 #include "points/check_points.h"
 #include "points/point_sequence.h"
 #include "points/sample_surface.h"
@@ -211,6 +212,7 @@ std::vector<Fragment> GrownPieces::made(const Progress& progress) {
   sherd::ExtractedFragments extracted = extractAll(grown_.result.solid, grown_.result.labels,
                                                    grown_.extractOptions(surface(true)), &progress);
   exactFailure_ = std::move(extracted.exactFailure);
+  unitedText_ = sherd::unitedText(extracted.united);
   return std::move(extracted.fragments);
 }
 
@@ -231,6 +233,11 @@ std::vector<std::shared_ptr<std::vector<std::int32_t>>> GrownPieces::facesOf(
 std::string GrownPieces::exactFailure() const {
   const std::lock_guard lock(making_);
   return exactFailure_;
+}
+
+std::string GrownPieces::unitedText() const {
+  const std::lock_guard lock(making_);
+  return unitedText_;
 }
 
 std::vector<std::string> GrownPieces::save(const std::string& folder,

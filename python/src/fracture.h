@@ -88,6 +88,10 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// Why exact surfaces were replaced by smooth ones, as a clause; empty if they were not.
   [[nodiscard]] virtual std::string exactFailure() const { return {}; }
 
+  /// Returns what became of bodies of the input that overlap or touch, as a clause; empty before
+  /// meshes are made, and where there are none.
+  [[nodiscard]] virtual std::string unitedText() const { return {}; }
+
   /// Sentences about guides that split nothing.
   [[nodiscard]] virtual std::vector<std::string> guideWarnings() const { return {}; }
 
@@ -139,6 +143,7 @@ class GrownPieces : public Fracture {
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
   [[nodiscard]] const std::vector<sherd::Fragment>& sampled(const sherd::Progress&) override;
   [[nodiscard]] std::string exactFailure() const override;
+  [[nodiscard]] std::string unitedText() const override;
   [[nodiscard]] std::vector<std::string> guideWarnings() const override {
     return grown_.result.guideWarnings;
   }
@@ -168,7 +173,7 @@ class GrownPieces : public Fracture {
   sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of sampled()
   bool isMeasured_ = false;
   std::optional<bool> isMerged_;  // once it is known, guarded by making_
-  std::string exactFailure_;
+  std::string exactFailure_, unitedText_;
 };
 
 /// A fracture read from its folder.

@@ -34,6 +34,7 @@
 #include "dataset/stored_object.h"
 #include "dataset/thumbnails.h"
 #include "folder/fracture_files.h"
+#include "folder/mesh_report.h"
 #include "folder/viewer_file.h"
 #include "folder/write_memory.h"
 #include "formats/arrays/npz.h"
@@ -55,7 +56,7 @@ struct Work {
   std::shared_ptr<StagedFiles> files;
   Json line;
   std::size_t fragments = 0;
-  std::string exactFailure;
+  std::string surfaceWarning;  // a clause, or empty
 };
 
 class ObjectRun {
@@ -214,7 +215,7 @@ class ObjectRun {
     };
     const auto record = [&](const std::shared_ptr<Work>& work) {
       keep(std::move(work->files), std::move(work->line));
-      warnOfSurface(work->exactFailure);
+      warnOfSurface(work->surfaceWarning);
       run_.fractured(work->fragments);
     };
     using Mode = tbb::filter_mode;
@@ -226,10 +227,9 @@ class ObjectRun {
   }
 
   // Warns once for an object.
-  void warnOfSurface(const std::string& failure) {
-    if (failure.empty() || std::exchange(hasWarned_, true)) return;
-    run_.warning(object_.file.string() + ": " + failure +
-                 ", so fragments have the smooth surface instead of the exact one");
+  void warnOfSurface(const std::string& warning) {
+    if (warning.empty() || std::exchange(hasWarned_, true)) return;
+    run_.warning(object_.file.string() + ": " + warning);
   }
 
   // Bytes in memory for each byte of a fragment's file: loose files are compressed whole, and pfpp
@@ -266,7 +266,11 @@ class ObjectRun {
     begin = Clock::now();
     FractureResult result = extracted(std::move(growth->grown), options, &progress_);
     run_.times.add("extract", secondsSince(begin));
-    work.exactFailure = result.exactFailure;
+    work.surfaceWarning =
+        result.exactFailure.empty()
+            ? unitedText(result.united)
+            : result.exactFailure +
+                  ", so fragments have the smooth surface instead of the exact one";
     if (options.surface.meshes) renderThumbnail(planned.name(), result);
     begin = Clock::now();
     keepDecimated(result);

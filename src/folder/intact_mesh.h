@@ -6,7 +6,7 @@
 namespace sherd {
 
 /// Returns the mesh that a fracture into one fragment would have: with exact surfaces the input's
-/// own, else solidMesh.
+/// own, or the union of its bodies, else solidMesh.
 ///   result   its fragments may not be made yet
 ///   options  the fracture's
 [[nodiscard]] inline TriangleMesh intactMesh(const FractureResult& result,
@@ -15,8 +15,9 @@ namespace sherd {
   if (!isExact || result.solid.mesh == nullptr) {
     return solidMesh(result.solid, options.adaptivity == kAutoAdaptivity ? kAutoAdaptivity : 0.0);
   }
-  TriangleMesh mesh = result.solid.mesh->mesh;
-  mesh.source = result.solid.mesh->source;
+  const SolidMesh& own = result.united.mesh ? *result.united.mesh : *result.solid.mesh;
+  TriangleMesh mesh = own.mesh;
+  mesh.source = own.source;
   return mesh;
 }
 

@@ -66,6 +66,16 @@ std::string titleOf(const SourceMesh& source) {
 
 }  // namespace
 
+std::string unitedText(const UnitedBodies& united) {
+  if (united.mesh == nullptr) return {};
+  if (united.before != united.after) {
+    return std::to_string(united.before) +
+           " bodies, of which some overlap or touch, were united to " +
+           std::to_string(united.after);
+  }
+  return "its surface crosses itself; what lies within it was left out";
+}
+
 nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
   const SolidReport& report = result.solid.report;
   const MeshDefects& defects = report.defects;
@@ -156,6 +166,9 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
     warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
                        ", the mesh's own " + text(report.meshVolume) +
                        "; overlaps count once, and walls thinner than a voxel are lost");
+  }
+  if (std::string united = unitedText(result.united); !united.empty()) {
+    warnings.push_back(titleOf(source) + ": " + std::move(united));
   }
   if (report.tookTooLong) {
     warnings.push_back(titleOf(source) + ": the mesh is a shell, since " + report.fillReason +

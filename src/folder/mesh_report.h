@@ -4,6 +4,7 @@
 #include <sherd/folder.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace sherd {
 
@@ -13,5 +14,9 @@ inline constexpr double kVolumesAgree = 0.03;
 /// Returns meshReportJson() as JSON.
 [[nodiscard]] nlohmann::ordered_json reportJson(const SourceMesh& source,
                                                 const FractureResult& result);
+
+/// Returns what became of bodies of the input that overlap, touch or cross themselves, as a clause;
+/// empty where there are none.
+[[nodiscard]] std::string unitedText(const UnitedBodies& united);
 
 }  // namespace sherd

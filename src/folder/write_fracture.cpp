@@ -34,6 +34,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
   }
   Extraction extraction(result.solid, result.labels, grown.extractOptions(surface), progress);
   result.exactFailure = extraction.exactFailure();
+  result.united = extraction.united();
   result.surfaces = extraction.surfaces();
   result.unmerged = extraction.unmerged();
   clock.done("extract");

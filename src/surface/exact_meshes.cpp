@@ -7,9 +7,8 @@
 #include <glm/common.hpp>
 #include <limits>
 #include <memory>
-#include <optional>
 
-#include "base/cancel_flag.h"
+#include "exact/unite.h"
 #include "mesh/edges.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
@@ -17,7 +16,6 @@
 #include "surface/cut.h"
 #include "surface/label_reader.h"
 #include "surface/merge_facets.h"
-#include "surface/vertex_numbers.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -74,71 +72,39 @@ std::string obstacleOf(const Solid& solid) {
   return {};
 }
 
-// Adds the meshes of a body to those of the bodies before it.
-//   body  with TriangleMesh::source
-void append(std::vector<LabeledMesh> from, const TriangleMesh& body, std::uint32_t firstPosition,
-            std::vector<LabeledMesh>& to) {
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    LabeledMesh &own = from[i], &all = to[i];
-    const auto first = static_cast<std::uint32_t>(all.mesh.vertices.size());
-    all.mesh.vertices.insert(all.mesh.vertices.end(), own.mesh.vertices.begin(),
-                             own.mesh.vertices.end());
-    for (const glm::uvec3& t : own.mesh.triangles) all.mesh.triangles.push_back(t + first);
-    for (const std::uint32_t source : own.mesh.source) {
-      all.mesh.source.push_back(source == TriangleMesh::kNoSource ? source : body.source[source]);
-    }
-    all.other.insert(all.other.end(), own.other.begin(), own.other.end());
-    for (const std::uint32_t id : own.positionId) all.positionId.push_back(firstPosition + id);
-  }
-}
+// The mesh that is cut, and the union of its bodies where they overlap or touch.
+class Bodies {
+ public:
+  ///   progress  may be null
+  Bodies(const SolidMesh& source, const Progress* progress)
+      : source_(source), progress_(progress) {}
 
-// Returns the faces that meet a box.
-Complex within(const Complex& cracks, const TriangleTree& tree, const Box& box) {
-  std::vector<std::uint32_t> faces = tree.meeting(box);
-  for (std::uint32_t& face : faces) face = tree.source(face);
-  std::sort(faces.begin(), faces.end());
-  std::vector<std::uint32_t> used;
-  for (const std::uint32_t face : faces) {
-    const glm::uvec3& corner = cracks.faces[face].corner;
-    used.insert(used.end(), {corner.x, corner.y, corner.z});
-  }
-  const VertexNumbers numbers(std::move(used), cracks.vertices.size());
-  Complex out;
-  for (const std::uint32_t v : numbers.vertices()) out.vertices.push_back(cracks.vertices[v]);
-  for (const std::uint32_t face : faces) {
-    ComplexFace own = cracks.faces[face];
-    for (int k = 0; k < 3; ++k) own.corner[k] = numbers.of(own.corner[k]);
-    out.faces.push_back(own);
-  }
-  return out;
-}
+  [[nodiscard]] const SolidMesh& mesh() const { return united_.mesh ? *united_.mesh : source_; }
 
-// Cuts each body alone.  Where bodies overlap, so do the faces of their cracks.
-ExactSurface cutBodies(std::span<const TriangleMesh> bodies, const Complex& cracks,
-                       std::size_t fragments, SpaceLabels space, const Progress* progress) {
-  if (bodies.empty()) return {.failure = "the mesh is not closed"};
-  ExactSurface all{.meshes = std::vector<LabeledMesh>(fragments)};
-  std::uint32_t positions = 0;
-  const TriangleTree faces(TriangleMesh{cracks.vertices, trianglesOf(cracks)});
-  for (const TriangleMesh& body : bodies) {
-    throwIfCancelled(progress);
-    std::optional<TriangleTree> tree;
-    space.isInside = [&](const glm::dvec3& p) {
-      if (!tree) tree.emplace(body);
-      return tree->winding(p) >= 0.5;
-    };
-    ExactSurface own =
-        exactSurface(body, within(cracks, faces, bounds(body)), fragments, space, progress);
-    if (!own.failure.empty()) return own;
-    std::uint32_t next = positions;
-    for (const LabeledMesh& part : own.meshes) {
-      for (const std::uint32_t id : part.positionId) next = std::max(next, positions + id + 1);
-    }
-    append(std::move(own.meshes), body, positions, all.meshes);
-    positions = next;
+  // Unites the bodies.  Returns a failure, as a clause, or nothing.
+  std::string unite() {
+    UnitedMesh all = sherd::unite(source_.mesh, progress_);
+    isTried_ = true;
+    if (!all.failure.empty() || !all.isChanged) return std::move(all.failure);
+    united_.before = bodiesOf(source_.mesh, progress_).size();
+    united_.after = bodiesOf(all.mesh, progress_).size();
+    std::vector<std::uint32_t> source = std::move(all.mesh.source);
+    for (std::uint32_t& triangle : source) triangle = source_.source[triangle];
+    all.mesh.source.clear();
+    united_.mesh =
+        std::make_shared<const SolidMesh>(SolidMesh{std::move(all.mesh), std::move(source)});
+    return {};
   }
-  return all;
-}
+
+  [[nodiscard]] bool isTried() const { return isTried_; }
+  [[nodiscard]] const UnitedBodies& united() const { return united_; }
+
+ private:
+  const SolidMesh& source_;
+  const Progress* const progress_;
+  bool isTried_ = false;
+  UnitedBodies united_;
+};
 
 }  // namespace
 
@@ -157,25 +123,33 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
                           insideOf(solid)};
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
   const double tolerance = kCrackTolerance * solid.frame.voxelSize;
-  ExactSurface surface;
-  std::optional<std::vector<TriangleMesh>> bodies;
-  for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const MergeOptions merging{.facets = {.cracks = {.tolerance = tolerance}},
-                               .displacementSeed = static_cast<std::uint64_t>(attempt)};
-    const Complex simple = withMergedFacets(cracks, merging, progress).complex;
-    surface = exactSurface(solid.mesh->mesh, simple, fragments, space, progress);
-    if (!surface.failure.empty() && solid.report.defects.components > 1) {
-      // Bodies that overlap or touch can be cut one by one.
-      if (!bodies) bodies = bodiesOf(solid.mesh->mesh, progress);
-      surface = cutBodies(*bodies, simple, fragments, space, progress);
+  const auto cutThrough = [&](const SolidMesh& mesh) {
+    ExactSurface surface;
+    for (int attempt = 0; attempt < kMostTries; ++attempt) {
+      const MergeOptions merging{.facets = {.cracks = {.tolerance = tolerance}},
+                                 .displacementSeed = static_cast<std::uint64_t>(attempt)};
+      const Complex simple = withMergedFacets(cracks, merging, progress).complex;
+      surface = exactSurface(mesh.mesh, simple, fragments, space, progress);
+      if (!surface.isDegenerate) break;
     }
-    if (!surface.isDegenerate) break;
+    return surface;
+  };
+  Bodies bodies(*solid.mesh, progress);
+  if (componentsMeet(solid.mesh->mesh, progress)) {
+    if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
+  }
+  ExactSurface surface = cutThrough(bodies.mesh());
+  // A body that crosses itself is cut as it is where no crack meets the crossings.
+  if (!surface.failure.empty() && !bodies.isTried() && bodies.unite().empty() &&
+      bodies.united().mesh != nullptr) {
+    surface = cutThrough(bodies.mesh());
   }
   for (LabeledMesh& mesh : surface.meshes) {
     for (std::uint32_t& source : mesh.mesh.source) {
-      if (source != TriangleMesh::kNoSource) source = solid.mesh->source[source];
+      if (source != TriangleMesh::kNoSource) source = bodies.mesh().source[source];
     }
   }
+  if (surface.failure.empty()) surface.united = bodies.united();
   return surface;
 }
 

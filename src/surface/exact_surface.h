@@ -3,6 +3,7 @@
 
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
+#include <sherd/solid.h>
 
 #include <cstdint>
 #include <functional>
@@ -19,6 +20,7 @@ struct ExactSurface {
                                       ///< triangles of the mesh that is cut
   std::string failure{};              ///< a clause; empty if `meshes` are valid
   bool isDegenerate = false;          ///< cracks that are displaced a little may succeed
+  UnitedBodies united{};              ///< what was cut, if it is not the input's mesh
 };
 
 /// What is known of points away from the cracks.

@@ -163,6 +163,7 @@ void Extraction::makeExact(ExactSurface exact) {
     surface_.surface = Surface::smooth;
     return;
   }
+  united_ = std::move(exact.united);
   for (std::size_t i = 0; i < count_; ++i) {
     LabeledMesh& mesh = exact.meshes[i];
     mesh.mesh.neighbor = mesh.other;
@@ -359,7 +360,8 @@ ExtractedFragments extractAll(const Solid& solid, const Labels& labels,
   }
   std::vector<std::vector<Contact>> contacts = extraction.contacts();
   for (std::size_t i = 0; i < all.size(); ++i) all[i].contacts = std::move(contacts[i]);
-  return {std::move(all), extraction.exactFailure(), extraction.surfaces(), extraction.unmerged()};
+  return {std::move(all), extraction.exactFailure(), extraction.surfaces(), extraction.unmerged(),
+          extraction.united()};
 }
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,

@@ -41,6 +41,9 @@ class Extraction {
   /// Returns why Surface::exact was replaced by Surface::smooth, as a clause; empty if it was not.
   [[nodiscard]] const std::string& exactFailure() const { return exactFailure_; }
 
+  /// Returns FractureResult::united.
+  [[nodiscard]] const UnitedBodies& united() const { return united_; }
+
  private:
   /// Meshes that are exact, smoothed or decimated together, until next() moves them out.
   struct Processed {
@@ -78,6 +81,7 @@ class Extraction {
   ContactSums voxelContacts_;   ///< if fragments are meshed independently
   TouchingFragments touching_;  ///< likewise
   std::string exactFailure_;
+  UnitedBodies united_;
   ContactMeasure measure_;
   std::size_t next_ = 0;
 };
@@ -87,6 +91,7 @@ struct ExtractedFragments {
   std::vector<Fragment> fragments;
   std::string exactFailure{};                                      ///< as Extraction::exactFailure
   std::shared_ptr<const FragmentSurfaces> surfaces{}, unmerged{};  ///< as those of Extraction
+  UnitedBodies united{};                                           ///< as Extraction::united
 };
 
 /// As extractFragments.

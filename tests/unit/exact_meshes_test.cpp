@@ -20,6 +20,8 @@
 #include <vector>
 
 #include "appearance/transfer.h"
+#include "exact/self_crossings.h"
+#include "exact/unite.h"
 #include "exact_checks.h"
 #include "mesh/repair.h"
 #include "shapes.h"
@@ -134,15 +136,81 @@ TEST(Exact, ASolidWithoutItsMeshFallsBack) {
   EXPECT_EQ(result.exactFailure, "the solid has no input mesh");
 }
 
-TEST(Exact, BodiesThatOverlapAreCutOneByOne) {
-  const TriangleMesh mesh =
-      shapes::append(shapes::ball(1.0, 3), shapes::ball(1.0, 3, {1.1, 0.2, 0.1}));
-  const FractureResult result = broken(mesh, exactOptions(8, 64));
+// Checks the fragments of bodies that overlap or touch: each is one body, and together they are the
+// union, of which volume and area are known.
+void expectUnited(const TriangleMesh& mesh, const FractureOptions& options, std::size_t bodies,
+                  double expectedVolume, double expectedArea) {
+  const FractureResult result = broken(mesh, options);
   ASSERT_EQ(result.exactFailure, "");
-  ExactFaults faults = exactFaults(mesh, result.fragments);
-  EXPECT_GT(faults.selfCrossings, 0u);  // as the input
-  faults.selfCrossings = 0;
-  EXPECT_FALSE(faults.any()) << faults.text();
+  EXPECT_EQ(result.united.before, bodies);
+  EXPECT_EQ(result.united.after, 1u);
+  double sum = 0.0, outside = 0.0;
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_EQ(meshComponents(fragment.mesh).count, 1u);
+    EXPECT_EQ(nonManifoldEdges(fragment.mesh), 0u);
+    EXPECT_TRUE(selfCrossings(fragment.mesh.vertices, fragment.mesh.triangles).empty());
+    sum += volume(fragment.mesh);
+    TriangleMesh outer{fragment.mesh.vertices, {}};
+    for (std::size_t t = 0; t < fragment.mesh.triangles.size(); ++t) {
+      if (fragment.mesh.neighborOf(t) == 0) outer.triangles.push_back(fragment.mesh.triangles[t]);
+    }
+    outside += area(outer);
+  }
+  EXPECT_NEAR(sum, expectedVolume, 1e-9 * expectedVolume);
+  EXPECT_NEAR(outside, expectedArea, 1e-9 * expectedArea);
+}
+
+TriangleMesh brick(const glm::dvec3& low, const glm::dvec3& sides) {
+  TriangleMesh box = shapes::box(sides);
+  for (glm::dvec3& v : box.vertices) v += low + sides / 2.0;
+  return box;
+}
+
+TEST(Exact, BodiesThatOverlapAreUnited) {
+  const TriangleMesh cubes =
+      shapes::append(shapes::cube(1.0), brick({0.0, -0.25, -0.25}, {1.0, 1.0, 1.0}));
+  const double common = 0.5 * 0.75 * 0.75;
+  for (const double roughness : {0.0, 1.5}) {
+    expectUnited(cubes, exactOptions(6, 48, roughness), 2, 2.0 - common,
+                 12.0 - 2.0 * (0.75 + 0.75 * 0.75));
+  }
+}
+
+TEST(Exact, BricksThatTouchAreUnited) {
+  TriangleMesh wall;
+  for (int row = 0; row < 4; ++row) {
+    for (int i = 0; i < 3; ++i) {
+      wall = shapes::append(wall, brick({i + 0.5 * (row % 2), 0.0, 0.5 * row}, {1.0, 0.5, 0.5}));
+    }
+  }
+  expectUnited(wall, exactOptions(12, 64), 12, 3.0,
+               2 * 3.0 * 2.0 + 2 * 2.0 * 0.5 + 2 * 3.0 * 0.5 + 3 * 2 * 0.25);
+}
+
+TEST(Exact, ABodyWithinAnotherVanishes) {
+  const TriangleMesh mesh = shapes::append(shapes::cube(2.0), shapes::cube(1.0));
+  expectUnited(mesh, exactOptions(5, 40), 2, 8.0, 24.0);
+}
+
+TEST(Exact, UnitedBodiesKeepTheirMaterials) {
+  TriangleMesh mesh = shapes::append(shapes::cube(1.0), brick({0.5, -0.2, -0.2}, {0.4, 0.4, 0.4}));
+  mesh.attributes.material.assign(24, 1);
+  std::fill_n(mesh.attributes.material.begin(), 12, 0u);
+  const FractureResult result = broken(mesh, exactOptions(4, 48));
+  ASSERT_EQ(result.exactFailure, "");
+  const AttributeSource source(mesh);
+  double ofSmall = 0.0;
+  for (const Fragment& fragment : result.fragments) {
+    const SurfaceAttributes own = source.transferTo(fragment.mesh, 99);
+    TriangleMesh small{fragment.mesh.vertices, {}};
+    for (std::size_t t = 0; t < fragment.mesh.triangles.size(); ++t) {
+      if (own.material[t] == 1) small.triangles.push_back(fragment.mesh.triangles[t]);
+    }
+    ofSmall += area(small);
+  }
+  // But for the face on the large cube.  The small one is within it by rounding, so that corners
+  // may move by 2^-41; its edges have a length of 4.8.
+  EXPECT_NEAR(ofSmall, 5 * 0.16, 4.8 * 2 * 0x1p-41);
 }
 
 TEST(Exact, BodiesHaveTheirCavities) {
@@ -305,16 +373,14 @@ TEST(Exact, APaneThinnerThanAVoxelIsCut) {
   }
 }
 
-TEST(Exact, ManyBodiesThatOverlapAreCut) {
+TEST(Exact, ManyBodiesThatOverlapAreUnited) {
   TriangleMesh mesh;
   for (int k = 0; k < 40; ++k) {
     mesh = shapes::append(std::move(mesh), shapes::cube(1.0, {0.37 * k, 0.11 * (k % 3), 0.07 * k}));
   }
-  const FractureResult result = broken(mesh, exactOptions(10, 96));
-  ASSERT_EQ(result.exactFailure, "");
-  ExactFaults faults = exactFaults(mesh, result.fragments);
-  faults.selfCrossings = 0;  // the input's bodies cross
-  EXPECT_FALSE(faults.any()) << faults.text();
+  const UnitedMesh united = unite(mesh);
+  ASSERT_EQ(united.failure, "");
+  expectUnited(mesh, exactOptions(10, 96), 40, volume(united.mesh), area(united.mesh));
 }
 
 // Slabs of a cube, two of which are islands that touch each other as much as their other neighbors:
