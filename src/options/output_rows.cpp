@@ -313,9 +313,10 @@ const Row kSurfaceRows[]{
                 "they are where its details are larger than a voxel; the voxel faces of the "
                 "fragment, as in the paper; or "
                 "the triangles of the input, which stay as they are where no crack cuts them: "
-                "sharp edges, normals, texture coordinates, polygons and all. `exact` needs a "
-                "closed mesh that does not cross itself where cracks meet it, and cracks that are "
-                "not so rough that they cross each other; where it does not succeed, all fragments "
+                "sharp edges, normals, texture coordinates, polygons and all. Bodies "
+                "that overlap or touch are united first. `exact` needs a closed mesh, and cracks "
+                "that are not so rough that they cross each other; where it does not succeed, all "
+                "fragments "
                 "get the smooth surface, with a warning. The `.vdb` files are the same for all",
      .key = "surface.of",
      .drawn = true},

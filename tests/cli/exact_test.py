@@ -168,6 +168,42 @@ class Exact(CommandLine):
             self.refused(2, self.fracture("--surface", "exact", *options))
             self.nothing_written()
 
+    def united(self, boxes, pieces, expected, *options):
+        """Breaks boxes, given by two corners each, and holds the fragments against the volume of their union."""
+        corners, faces = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], \
+            [(4, 3, 2, 1), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8)]
+        mesh = os.path.join(self.data, "boxes.obj")
+        with open(mesh, "w") as out:
+            for i, box in enumerate(boxes):
+                out.writelines("v %r %r %r\n" % tuple(box[c[k]][k] for k in range(3)) for c in corners)
+                out.writelines("f %d %d %d %d\n" % tuple(8 * i + v for v in face) for face in faces)
+        result = self.exact(*options, mesh=mesh, pieces=pieces)
+        self.assertIn(f"{len(boxes)} bodies, of which some overlap or touch, were united to 1\n", result.stderr)
+        self.assertNotIn("exact_failure", self.manifest())
+        done = self.run_sherd("evaluate", self.out, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        self.assertEqual(len(found["fragments"]), pieces)
+        self.assertEqual((found["sound"], found["overlap"]["share"]), (pieces, 0.0))
+        for fragment in found["fragments"]:
+            quality = fragment["quality"]
+            self.assertEqual((quality["components"], quality["closed"], quality["manifold"], quality["outward"]), (1, True, True, True))
+        total = sum(fragment["volume"] for fragment in found["fragments"])
+        self.assertLess(abs(total - expected), 1e-9 * expected)
+
+    def test_bricks_that_touch_are_one_body(self):
+        # Coordinates are binary fractions, so that faces meet exactly, in a running bond.
+        wall = [((x, 0, z), (x + 2, 1, z + 1)) for z in range(4) for x in (2 * i + z % 2 for i in range(4))]
+        self.united(wall, 12, 32)
+
+    def test_planks_that_overlap_are_one_body(self):
+        # Four posts, and four rails of a frame through each end of them.
+        posts = [((x, y, 0), (x + 0.25, y + 0.25, 2)) for x in (0, 1.75) for y in (0, 1.75)]
+        rails = [box for z in (0.25, 1.5) for at in (0.0625, 1.8125)
+                 for box in (((0.125, at, z), (1.875, at + 0.125, z + 0.25)), ((at, 0.125, z), (at + 0.125, 1.875, z + 0.25)))]
+        # Two rails meet in each corner, within a post: a rail has a length of 1.5 between the posts.
+        self.united(posts + rails, 12, 4 * 0.125 + 8 * 1.5 * 0.125 * 0.25, "--roughness", "1")
+
     def test_open_meshes_get_the_smooth_surface_with_a_warning(self):
         vertices, triangles = sphere()
         open_mesh = self.path("open.obj")
