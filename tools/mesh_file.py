@@ -1,7 +1,7 @@
 """Reads the meshes that Sherd writes (docs/formats.md), for the studies and the gallery."""
 import numpy as np
 
-TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+TYPES = {"float": "<f4", "double": "<f8", "int": "<i4", "uchar": "u1"}
 LENGTHS = {"vertex_indices": 3, "texcoord": 6}
 
 

@@ -184,6 +184,8 @@ struct FragmentSet {
   /// [splits] of a fracture by splits, from the manifest: of split i + 1, the split that the piece
   /// comes from which it divides, at most i; 0: none
   std::vector<int> splitParents{};
+  /// From the manifest: what positions of the fragments lack to be those of the source.
+  std::optional<glm::dvec3> offset{};
 };
 
 struct EvaluateOptions {

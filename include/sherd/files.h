@@ -426,15 +426,20 @@ struct Volume {
 /// Seeds with a weight have a member "weight", in squared world units: it is subtracted from the
 /// squared distance to the seed, so that the cells of drawn sizes can be computed.  It is not read.
 ///
+/// A member "offset": [x, y, z] beside "seeds" is added to all positions when they are read.
+///
 ///   throws  Error(input) with the file's name: absent, larger than 64 MiB, not JSON, another
 ///           schema, an invalid entry; Error(output)
 [[nodiscard]] std::vector<SeedPoint> readSeedPoints(const std::filesystem::path& file);
-void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid);
+void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid,
+                const std::optional<glm::dvec3>& offset = {});
 
 /// Writes the boundaries of all contacts (see boundaryLoops) as closed polylines in OBJ: an object
 /// boundary_<id>_<id> for each pair of touching fragments, the lower id first.
-///   throws  Error(output)
-void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments);
+///   isDouble  vertices have double precision, else single
+///   throws    Error(output)
+void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments,
+                     bool isDouble = false);
 
 /// Writes the contact graph for simulations as JSON in the schema of NVIDIA Blast: chunks (the
 /// whole first, the fragments as its children) and bonds between fragments, each with area, normal
@@ -456,10 +461,11 @@ void writeConstraints(const OutputFile& file, std::span<const Fragment> fragment
                       const Progress* progress = nullptr);
 
 /// Writes the convex hull of a fragment's mesh as OBJ.
-///   gap     distance between the hulls of two convex neighbors, world units
-///   throws  Error(output); Error(input) the mesh is flat
+///   gap       distance between the hulls of two convex neighbors, world units
+///   isDouble  vertices have double precision, else single
+///   throws    Error(output); Error(input) the mesh is flat
 void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
-                double gap);
+                double gap, bool isDouble = false);
 
 /// Writes an 8-bit RGB PNG.
 ///   throws  Error(output)

@@ -185,6 +185,7 @@ struct Manifest {
   openvdb::Coord indexMin;
   std::uint64_t solidVoxels = 0;
   std::uint64_t components = 0;
+  std::optional<glm::dvec3> offset;         ///< WriteOptions::offset
   std::vector<std::string> files;           ///< relative, below the manifest's folder
   std::string allVdb;                       ///< all fragments in one; empty if not written
   std::vector<ManifestFragment> fragments;  ///< [1..kMaxFragments], without withheld ones

@@ -29,11 +29,16 @@ enum class UsdFormat {
   usdz,  ///< an archive with the text and the textures
 };
 
-/// The type of vertices in `.ply`.
+/// The type of vertices in meshes, in the formats that hold doubles: `.ply` and text (`.obj`, STL).
 enum class Precision {
+  automatic,  ///< full of exact surfaces, whose slivers cross each other once they are rounded, and
+              ///< where single would move vertices by more than kMostRoundingVoxels
   single,
   full,  ///< double: vertices of the input keep their bits, whatever its precision
 };
+
+/// Voxels by which single precision may move vertices without a warning.
+inline constexpr double kMostRoundingVoxels = 0.01;
 
 /// The files that a fracture writes in addition to `manifest.json`.
 struct WriteOptions {
@@ -80,9 +85,13 @@ struct WriteOptions {
                                     ///< points
   std::size_t correspondences = 0;  ///< correspondences.npz: points per contact; 0: no file
 
-  Precision precision = Precision::single;  ///< of meshes/STEM_001.ply
+  Precision precision = Precision::automatic;  ///< of meshes, proxies and boundaries
   bool sourceFaces = false;  ///< the face of the input on which each face of meshes/STEM_001.ply
                              ///< lies, see sourceFaces; not of volumes
+
+  /// What positions of the files lack to be the input's, of an object that recentered() moved:
+  /// recorded in manifest.json and seeds.json.
+  std::optional<glm::dvec3> offset{};
 
   char up = 'y';  ///< the mesh's axis that points up in images and scene.usda: 'x', 'y' or 'z';
                   ///< not 'x' in scene.usda
@@ -113,7 +122,26 @@ struct RunOptions {
   FractureOptions fracture{};
   VolumeOptions volume{};  ///< how an input that is a volume is read
   WriteOptions write{};
+  bool recenter = false;  ///< the object is moved so that its box's center is the origin, see
+                          ///< recentered()
 };
+
+/// Returns the center of a mesh's box, or of a solid's inside voxels.
+[[nodiscard]] glm::dvec3 boxCenter(const TriangleMesh& mesh);
+[[nodiscard]] glm::dvec3 boxCenter(const Solid& solid);
+
+/// Returns an object moved by a vector.  Moving it to the origin by its center is exact where it is
+/// farther from the origin than it is long.
+///   solid  of a level set: without a mesh or a region
+[[nodiscard]] TriangleMesh moved(TriangleMesh mesh, const glm::dvec3& by);
+[[nodiscard]] Solid moved(Solid solid, const glm::dvec3& by);
+
+/// Returns options for an object that was moved: what they place in space, which are impacts, given
+/// seeds, guides and a density, is moved with it.
+[[nodiscard]] FractureOptions moved(FractureOptions options, const glm::dvec3& by);
+
+/// Returns options for an object that was moved by the negative of `offset`.
+[[nodiscard]] RunOptions recentered(RunOptions options, const glm::dvec3& offset);
 
 /// The types of options' values.
 enum class OptionType {

@@ -115,6 +115,11 @@ class Fracture(Sequence[Fragment]):
         """(3,) float64, world position of the center of ``labels[0, 0, 0]``."""
         return np.array(self._core.origin)
 
+    @property
+    def offset(self) -> Array:
+        """(3,) float64: added to positions, it gives those of the input; 0 unless `recenter` moved the object."""
+        return np.array(self._core.offset)
+
     @cached_property
     def labels(self) -> Array:
         """(nx, ny, nz) uint16, the fragment's id of each voxel of the solid's tight box: 0 outside, 65535 in the solid but in no

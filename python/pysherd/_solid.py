@@ -30,6 +30,8 @@ class Solid:
         Voxels of the tight box along x, y and z.
     origin : ndarray, shape (3,), float64
         World position of the center of the box's first voxel.
+    offset : ndarray, shape (3,), float64
+        Added to positions, it gives those of the input; 0 unless `recenter` moved the object.
     voxel_size : float
         World units per voxel.
     voxels : int
@@ -53,6 +55,11 @@ class Solid:
     def origin(self) -> np.ndarray[Any, Any]:
         """World position of the center of the box's first voxel, shape (3,), float64."""
         return np.array(self._core.origin)
+
+    @property
+    def offset(self) -> np.ndarray[Any, Any]:
+        """Added to positions, it gives those of the input, shape (3,), float64; 0 unless `recenter` moved the object."""
+        return np.array(self._core.offset)
 
     @property
     def options(self) -> _options.Options:

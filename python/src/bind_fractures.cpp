@@ -224,6 +224,11 @@ void bindFractures(nb::module_& module) {
       .def_prop_ro("united_text", &Fracture::unitedText)
       .def_prop_ro("guide_warnings", &Fracture::guideWarnings)
       .def_prop_ro("voxel_size", [](const Fracture& f) { return f.frame().voxelSize; })
+      .def_prop_ro("offset",
+                   [](const Fracture& f) {
+                     const glm::dvec3 by = f.offset();
+                     return nb::make_tuple(by.x, by.y, by.z);
+                   })
       .def_prop_ro("origin", [](const Fracture& f) {
         const glm::dvec3 at = f.frame().origin;
         return nb::make_tuple(at.x, at.y, at.z);

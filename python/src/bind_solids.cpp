@@ -111,6 +111,8 @@ void bindSolids(nb::module_& module) {
                      const openvdb::Coord dims = s.solid().box.dims();
                      return nb::make_tuple(dims.x(), dims.y(), dims.z());
                    })
+      .def_prop_ro("offset",
+                   [](const Solid& s) { return vectorOf(s.offset().value_or(glm::dvec3(0.0))); })
       .def_prop_ro("origin", [](const Solid& s) {
         return vectorOf(s.solid().frame.worldFromIndex(s.solid().box.min));
       });

@@ -2,6 +2,7 @@
 #include "fracture.h"
 
 #include <sherd/error.h>
+#include <sherd/options.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -240,9 +241,9 @@ std::string GrownPieces::unitedText() const {
   return unitedText_;
 }
 
-std::vector<std::string> GrownPieces::save(const std::string& folder,
-                                           const sherd::WriteOptions& write,
+std::vector<std::string> GrownPieces::save(const std::string& folder, sherd::WriteOptions write,
                                            const Progress& progress) {
+  write.offset = solid_->offset();
   const FractureOptions options = optionsFor(run_.fracture, write);
   checkWriteOptions(write, options);
   if (write.cost && grown_.result.labels.cost.empty()) {
@@ -299,6 +300,7 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
   }
   checkSurfaceOptions(run.fracture.surface);
   readGiven(run.fracture, solid->file(), progress);
+  if (solid->offset()) run = recentered(std::move(run), *solid->offset());
   std::vector<FractureOptions> options;
   for (const auto& [pieces, seed] : piecesAndSeeds) {
     options.push_back(run.fracture);

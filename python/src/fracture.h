@@ -50,6 +50,8 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// Fragments that are not withheld, with ids 1..count().
   [[nodiscard]] virtual std::size_t count() const = 0;
   [[nodiscard]] virtual sherd::GridFrame frame() const = 0;  ///< origin: voxel (0,0,0) of labels()
+  /// What positions lack to be those of the input; 0 if the object was not recentered.
+  [[nodiscard]] virtual glm::dvec3 offset() const = 0;
   [[nodiscard]] virtual VoxelIds labels() const = 0;
   [[nodiscard]] virtual std::uint64_t seed() const = 0;
 
@@ -138,6 +140,9 @@ class GrownPieces : public Fracture {
     return static_cast<std::size_t>(grown_.result.labels.fragmentCount) - grown_.result.withheld;
   }
   [[nodiscard]] sherd::GridFrame frame() const override;
+  [[nodiscard]] glm::dvec3 offset() const override {
+    return solid_->offset().value_or(glm::dvec3(0.0));
+  }
   [[nodiscard]] VoxelIds labels() const override;
   [[nodiscard]] std::uint64_t seed() const override { return run_.fracture.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
@@ -153,8 +158,7 @@ class GrownPieces : public Fracture {
 
   /// Writes the files that `write` names.
   ///   return  sentences about what may be lost, or was kept
-  [[nodiscard]] std::vector<std::string> save(const std::string& folder,
-                                              const sherd::WriteOptions& write,
+  [[nodiscard]] std::vector<std::string> save(const std::string& folder, sherd::WriteOptions write,
                                               const sherd::Progress& progress);
 
  protected:
@@ -184,6 +188,9 @@ class LoadedPieces : public Fracture {
 
   [[nodiscard]] std::size_t count() const override { return manifest_.fragments.size(); }
   [[nodiscard]] sherd::GridFrame frame() const override { return frame_; }
+  [[nodiscard]] glm::dvec3 offset() const override {
+    return manifest_.offset.value_or(glm::dvec3(0.0));
+  }
   [[nodiscard]] VoxelIds labels() const override;
   [[nodiscard]] std::uint64_t seed() const override { return manifest_.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress& p) override {

@@ -156,6 +156,9 @@ std::string faultOf(const Object& object) {
   if (!(object.ownVoxelSize >= 0.0 && std::isfinite(object.ownVoxelSize))) {
     return "has voxels whose size is no length";
   }
+  if (object.offset && !std::isfinite(object.offset->x + object.offset->y + object.offset->z)) {
+    return "has an offset that is not finite";
+  }
   if (source.isovalue && !std::isfinite(*source.isovalue)) {
     return "has an isovalue that is not finite";
   }
@@ -175,6 +178,9 @@ nb::bytes stateOf(const Solid& solid) {
   put(solid.given());
   pieces.putOne(ownVoxelSize);
   put(levelSet);
+  std::vector<glm::dvec3> offset;  // one or none
+  if (solid.offset()) offset.push_back(*solid.offset());
+  put(offset);
   eachField(solid.source(), put);
   return sealed(kKind, pieces.all());
 }
@@ -188,6 +194,9 @@ std::pair<std::shared_ptr<Object>, GivenOptions> objectOfState(nb::handle state)
   take(given);
   source.takeOne(object->ownVoxelSize);
   take(object->levelSet);
+  std::vector<glm::dvec3> offset;
+  take(offset);
+  if (!offset.empty()) object->offset = offset.front();
   eachField(object->source.emplace(), take);
   const std::string fault =
       source.isAt({}) ? faultOf(*object) : "is damaged: its arrays do not fill its state";

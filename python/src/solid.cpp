@@ -2,6 +2,7 @@
 #include "solid.h"
 
 #include <sherd/error.h>
+#include <sherd/options.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,8 +35,9 @@ namespace fs = std::filesystem;
 struct Read {
   sherd::SourceMesh source;
   std::optional<sherd::Solid> solid{};
-  double voxelSize = 0.0;           // of voxels that were given
-  std::vector<std::string> idle{};  // sentences on options that do nothing with it
+  double voxelSize = 0.0;              // of voxels that were given
+  std::vector<std::string> idle{};     // sentences on options that do nothing with it
+  std::optional<glm::dvec3> offset{};  // if it was recentered
 };
 
 // A file that is removed again.
@@ -159,6 +161,7 @@ Read readObject(Object& object, const RunOptions& run, const sherd::OptionUse& u
     }
     read.source = std::move(*object.source);
     read.voxelSize = object.ownVoxelSize;
+    read.offset = object.offset;
     return read;
   }
   if (object.mask) {
@@ -173,6 +176,14 @@ Read readObject(Object& object, const RunOptions& run, const sherd::OptionUse& u
   read.source.name = object.name;
   read.source.stem = fs::path(object.name).stem().string();
   return read;
+}
+
+void recenter(Read& read) {
+  sherd::TriangleMesh& mesh = read.source.mesh;
+  const glm::dvec3 offset = read.solid ? boxCenter(*read.solid) : boxCenter(mesh);
+  if (read.solid) read.solid = moved(std::move(*read.solid), -offset);
+  mesh = moved(std::move(mesh), -offset);
+  read.offset = offset;
 }
 
 sherd::Solid solidOf(Read& read, sherd::FractureOptions options, std::uint64_t memory,
@@ -230,12 +241,13 @@ SolidPtr voxelized(Object object, const GivenOptions& given, const std::string& 
   std::vector<std::string> names;
   for (const auto& [name, text] : given) names.push_back(name);
   Read read = readObject(object, run, useOf(std::move(names), file), progress);
+  if (run.recenter && !read.offset) recenter(read);  // a pickle's is already
   try {
     sherd::Solid solid = solidOf(read, run.fracture, run.volume.maxMemory, progress);
     LeasedDevice leased(device);
-    return freedElsewhere(
-        std::make_unique<Solid>(given, std::move(read.idle), read.voxelSize, std::move(read.source),
-                                sherd::prepared(std::move(solid), *leased), file));
+    return freedElsewhere(std::make_unique<Solid>(
+        given, std::move(read.idle), read.voxelSize, read.offset, std::move(read.source),
+        sherd::prepared(std::move(solid), *leased), file));
   } catch (const Error& e) {
     if (e.code() != ErrorCode::input) throw;  // what the stages say of an object without its name
     throw Error(e.code(), (file.empty() ? "mesh" : file) + ": " + e.what(), e.options());

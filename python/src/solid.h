@@ -44,6 +44,7 @@ struct Object : std::enable_shared_from_this<Object> {
   std::optional<Mask> mask{};                 ///< of an array
   std::optional<sherd::SourceMesh> source{};  ///< of a pickle
   std::string levelSet{};                     ///< of one without a mesh: the bytes of a `.vdb` file
+  std::optional<glm::dvec3> offset{};         ///< of a pickle, see Solid::offset
   double ownVoxelSize = 0.0;                  ///< of a pickle: of the voxels that were given
   std::string name = "mesh";                  ///< without a file
 };
@@ -52,10 +53,12 @@ struct Object : std::enable_shared_from_this<Object> {
 class Solid : public std::enable_shared_from_this<Solid> {
  public:
   Solid(GivenOptions given, std::vector<std::string> idle, double ownVoxelSize,
-        sherd::SourceMesh source, sherd::PreparedSolid ready, std::string file)
+        std::optional<glm::dvec3> offset, sherd::SourceMesh source, sherd::PreparedSolid ready,
+        std::string file)
       : given_(std::move(given)),
         idle_(std::move(idle)),
         ownVoxelSize_(ownVoxelSize),
+        offset_(std::move(offset)),
         source_(std::move(source)),
         ready_(std::move(ready)),
         file_(std::move(file)) {}
@@ -66,6 +69,8 @@ class Solid : public std::enable_shared_from_this<Solid> {
   [[nodiscard]] const sherd::SourceMesh& source() const { return source_; }
   [[nodiscard]] const sherd::Solid& solid() const { return ready_.solid; }
   [[nodiscard]] double ownVoxelSize() const { return ownVoxelSize_; }
+  /// What positions lack to be the input's, of an object that was recentered.
+  [[nodiscard]] const std::optional<glm::dvec3>& offset() const { return offset_; }
   [[nodiscard]] std::size_t components() const { return ready_.components.count(); }
 
   /// The file that it was read from; empty without one, also after unpickling.
@@ -88,6 +93,7 @@ class Solid : public std::enable_shared_from_this<Solid> {
   GivenOptions given_;
   std::vector<std::string> idle_;
   double ownVoxelSize_;  // of voxels that were given, else 0
+  std::optional<glm::dvec3> offset_;
   sherd::SourceMesh source_;
   sherd::PreparedSolid ready_;  // without a surface
   std::string file_;

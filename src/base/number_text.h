@@ -16,9 +16,16 @@ void appendShortest(std::string& text, Number value) {
 
 inline void appendFloat(std::string& text, float value) { appendShortest(text, value + 0.0f); }
 
-/// Appends " x y z" in single precision.
-inline void appendVector(std::string& text, const glm::dvec3& v) {
-  for (int axis = 0; axis < 3; ++axis) appendFloat(text += ' ', static_cast<float>(v[axis]));
+/// Appends " x y z" in single or double precision.
+inline void appendVector(std::string& text, const glm::dvec3& v, bool isDouble = false) {
+  for (int axis = 0; axis < 3; ++axis) {
+    text += ' ';
+    if (isDouble) {
+      appendShortest(text, v[axis] + 0.0);
+    } else {
+      appendFloat(text, static_cast<float>(v[axis]));
+    }
+  }
 }
 
 }  // namespace sherd

@@ -4,6 +4,7 @@
 #include <sherd/files.h>
 #include <sherd/folder.h>
 #include <sherd/mesh.h>
+#include <sherd/options.h>
 #include <sherd/points.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -78,6 +79,7 @@ EvaluateReport reportOf(const EvaluateArguments& arguments) {
   if (!arguments.whole.empty()) {
     whole = readMesh(arguments.whole, {.maxMemory = freeMemory()}, &untilInterrupted());
     report.whole = whole->name;
+    if (report.set.offset) whole->mesh = moved(std::move(whole->mesh), -*report.set.offset);
   }
   report.evaluation =
       evaluate(report.set, whole ? &whole->mesh : nullptr, arguments.options, &untilInterrupted());

@@ -4,6 +4,7 @@
 #include <sherd/files.h>
 #include <sherd/folder.h>
 #include <sherd/fracture.h>
+#include <sherd/options.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -61,7 +62,19 @@ struct Input {
       meshes;                  // the file's, or its objects'; for a solid the name without a mesh
   std::optional<Solid> solid;  // moved from when it is broken
   std::optional<FinishedFracture> finished;
+  std::vector<std::optional<glm::dvec3>> offsets;  // [meshes] of those that were recentered
 };
+
+// Moves every object to the origin.
+void recenter(Input& input) {
+  for (std::size_t i = 0; i < input.meshes.size(); ++i) {
+    TriangleMesh& mesh = input.meshes[i].mesh;
+    const glm::dvec3 offset = input.solid ? boxCenter(*input.solid) : boxCenter(mesh);
+    if (input.solid) input.solid = moved(std::move(*input.solid), -offset);
+    mesh = moved(std::move(mesh), -offset);
+    input.offsets[i] = offset;
+  }
+}
 
 // Reads the files that options name.
 void readGiven(FractureArguments& arguments, const Progress& progress) {
@@ -87,6 +100,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
       printMessage("sherd: warning: " + std::string(e.what()) + "; edges are rounded");
     }
     input.meshes = {input.finished->source};
+    input.offsets = {readManifest(arguments.mesh).offset};
     arguments.run.fracture.solid.resolution = input.finished->resolution;
     return input;
   }
@@ -118,6 +132,8 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   } else {
     input.meshes = {std::move(source)};
   }
+  input.offsets.resize(input.meshes.size());
+  if (run.recenter) recenter(input);
   return input;
 }
 
@@ -128,10 +144,10 @@ std::string titled(const std::string& file, const SourceMesh& source) {
 
 // Breaks a part of the input into a folder.  Prefixes errors about the mesh with its name, which
 // the stages do not have.
-StagedFracture breakInput(const FractureArguments& arguments, Input& input,
+//   run  as the part was moved
+StagedFracture breakInput(const FractureArguments& arguments, const RunOptions& run, Input& input,
                           const SourceMesh& source, const std::string& folder, Device& device,
                           const Progress& progress) {
-  const RunOptions& run = arguments.run;
   try {
     FractureInput part{.source = source,
                        .solid = std::move(input.solid),
@@ -236,7 +252,7 @@ class FractureRun {
     events_.overall().setParts(input.meshes.size());
     for (std::size_t i = 0; i < input.meshes.size(); ++i) {
       try {
-        breakOne(input, input.meshes[i], folders[i], device);
+        breakOne(input, i, folders[i], device);
       } catch (const Error& e) {  // the other objects are broken nevertheless
         if (input.meshes.size() == 1 || e.code() != ErrorCode::input) throw;
         line_.clear();
@@ -270,12 +286,13 @@ class FractureRun {
     return result;
   }
 
-  void breakOne(Input& input, const SourceMesh& source, const std::string& folder, Device& device) {
+  void breakOne(Input& input, std::size_t part, const std::string& folder, Device& device) {
     stopIfInterrupted();
+    const SourceMesh& source = input.meshes[part];
+    const std::optional<glm::dvec3>& offset = input.offsets[part];
+    const RunOptions run = offset ? recentered(arguments_.run, *offset) : arguments_.run;
     const std::string title = titled(arguments_.mesh, source);
-    const FractureOptions& options = arguments_.run.fracture;
-    const WriteOptions& write = arguments_.run.write;
-    StagedFracture aside = breakInput(arguments_, input, source, folder, device, progress_);
+    StagedFracture aside = breakInput(arguments_, run, input, source, folder, device, progress_);
     replacements_.add(std::move(aside.replacement));
     const FractureResult& result = aside.result;
     times_.insert(times_.end(), result.times.begin(), result.times.end());
@@ -283,8 +300,8 @@ class FractureRun {
     const FractureSummary summary{title,
                                   folder,
                                   source,
-                                  options,
-                                  write,
+                                  run.fracture,
+                                  run.write,
                                   result,
                                   device.info(),
                                   fs::path(folder) / kManifestName,
@@ -348,7 +365,7 @@ void addSelection(CLI::App& command, FractureArguments& arguments) {
           ->type_name("ID,...");
   for (const char* option : {"--resolution", "--voxel-size", "--seeds", "--missing", "--drop-share",
                              "--erode-iterations", "--fill", "--shell-thickness", "--grid",
-                             "--isovalue", "--source-faces"}) {
+                             "--isovalue", "--recenter", "--source-faces"}) {
     only->excludes(option);
   }
   command

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/formatted.h"
+#include "base/json_of.h"
 #include "base/printable.h"
 #include "base/text_scan.h"
 
@@ -73,9 +74,13 @@ std::string textOf(const FractureSummary& summary) {
   const FractureResult& result = summary.result;
   const std::string withheld =
       result.withheld > 0 ? ", " + std::to_string(result.withheld) + " of them withheld," : "";
+  const std::optional<glm::dvec3>& offset = summary.write.offset;
+  const std::string moved = offset ? ", recentered from (" + number(offset->x, 10) + ", " +
+                                         number(offset->y, 10) + ", " + number(offset->z, 10) + "),"
+                                   : "";
   return (isMesh(summary) ? meshReport(summary.source, result) : "") + printable(summary.folder) +
          ": " + std::to_string(result.fragments.size()) + " fragments of " +
-         printable(summary.source.name) + withheld + " in " +
+         printable(summary.source.name) + withheld + moved + " in " +
          number(summary.times.back().seconds, 3) + " s (" + std::to_string(result.solid.voxels) +
          " voxels of " + number(result.solid.frame.voxelSize, 4) + ", seed " +
          std::to_string(summary.options.seed) + ", " + summary.device.name + ")\n";
@@ -88,29 +93,32 @@ nlohmann::ordered_json jsonOf(const FractureSummary& summary) {
   for (const Fragment& fragment : result.fragments) volumeOut += fragment.mass.volume;
   nlohmann::ordered_json seconds;
   for (const StageTime& time : summary.times) seconds[time.stage] = time.seconds;
-  return {{"schema", "sherd-report/1"},
-          {"command", "fracture"},
-          {"source", source.name},
-          {"manifest", summary.manifest.string()},
-          {"seed", summary.options.seed},
-          {"device", {{"platform", summary.device.platform}, {"name", summary.device.name}}},
-          {"pieces_asked", summary.options.pieces},
-          {"fragments", result.fragments.size()},
-          {"withheld", result.withheld},
-          {"components", result.components},
-          {"disconnected_voxels", result.labels.disconnected},
-          {"eroded_voxels", result.eroded.front()},
-          {"small_components", result.solid.smallComponents},
-          {"voxel_size", result.solid.frame.voxelSize},
-          {"voxels", result.solid.voxels},
-          {"vertices_in", source.mesh.vertices.size()},
-          {"triangles_in", source.mesh.triangles.size()},
-          {"volume_in", std::abs(volume(source.mesh))},
-          {"volume_out", volumeOut},
-          {"report", isMesh(summary) ? nlohmann::ordered_json::parse(meshReportJson(source, result))
-                                     : nlohmann::ordered_json()},
-          {"warnings", warningsOf(summary)},
-          {"seconds", seconds}};
+  nlohmann::ordered_json json = {
+      {"schema", "sherd-report/1"},
+      {"command", "fracture"},
+      {"source", source.name},
+      {"manifest", summary.manifest.string()},
+      {"seed", summary.options.seed},
+      {"device", {{"platform", summary.device.platform}, {"name", summary.device.name}}},
+      {"pieces_asked", summary.options.pieces},
+      {"fragments", result.fragments.size()},
+      {"withheld", result.withheld},
+      {"components", result.components},
+      {"disconnected_voxels", result.labels.disconnected},
+      {"eroded_voxels", result.eroded.front()},
+      {"small_components", result.solid.smallComponents},
+      {"voxel_size", result.solid.frame.voxelSize},
+      {"voxels", result.solid.voxels},
+      {"vertices_in", source.mesh.vertices.size()},
+      {"triangles_in", source.mesh.triangles.size()},
+      {"volume_in", std::abs(volume(source.mesh))},
+      {"volume_out", volumeOut},
+      {"report", isMesh(summary) ? nlohmann::ordered_json::parse(meshReportJson(source, result))
+                                 : nlohmann::ordered_json()},
+      {"warnings", warningsOf(summary)},
+      {"seconds", seconds}};
+  if (summary.write.offset) json["offset"] = sherd::jsonOf(*summary.write.offset);
+  return json;
 }
 
 }  // namespace sherd::cli

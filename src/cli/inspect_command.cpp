@@ -124,17 +124,19 @@ Json inspectManifest(const fs::path& file) {
                          {"fracture_area", fragment.fractureArea},
                          {"contacts", fragment.contacts}});
   }
-  return {{"kind", "fracture"},
-          {"source", manifest.source},
-          {"seed", manifest.seed},
-          {"resolution", manifest.resolution},
-          {"resolution_is", manifest.automatic ? "auto" : "given"},
-          {"voxel_size", manifest.voxelSize},
-          {"dims", jsonOf(manifest.dims)},
-          {"solid_voxels", manifest.solidVoxels},
-          {"components", manifest.components},
-          {"files", manifest.files.size()},
-          {"fragments", fragments}};
+  Json found = {{"kind", "fracture"},
+                {"source", manifest.source},
+                {"seed", manifest.seed},
+                {"resolution", manifest.resolution},
+                {"resolution_is", manifest.automatic ? "auto" : "given"},
+                {"voxel_size", manifest.voxelSize},
+                {"dims", jsonOf(manifest.dims)},
+                {"solid_voxels", manifest.solidVoxels},
+                {"components", manifest.components},
+                {"files", manifest.files.size()},
+                {"fragments", fragments}};
+  if (manifest.offset) found["offset"] = jsonOf(*manifest.offset);
+  return found;
 }
 
 Json inspect(const fs::path& file) {

@@ -51,6 +51,10 @@ FractureLine::FractureLine(const std::string& name, const PlannedFracture& plann
   line_["options"] = std::move(options);
 }
 
+void FractureLine::setOffset(const std::optional<glm::dvec3>& offset) {
+  if (offset) line_["offset"] = jsonOf(*offset);
+}
+
 void FractureLine::addFragments(const FractureResult& result, const FractureFiles& names,
                                 const StagedFiles& files, bool poses) {
   line_["labels"] = Json::array();

@@ -3,6 +3,8 @@
 
 #include <sherd/dataset.h>
 
+#include <optional>
+
 #include "dataset/journal.h"
 #include "folder/manifest.h"
 
@@ -22,6 +24,9 @@ class FractureLine {
   ///   poses   whether to add a random pose per fragment
   void addFragments(const FractureResult& result, const FractureFiles& names,
                     const StagedFiles& files, bool poses);
+
+  /// Records what positions lack to be the input's, of an object that was recentered.
+  void setOffset(const std::optional<glm::dvec3>& offset);
 
   [[nodiscard]] const Json& json() const { return line_; }
 

@@ -2,6 +2,7 @@
 #include "dataset/growth_ahead.h"
 
 #include <sherd/error.h>
+#include <sherd/options.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,12 +11,13 @@
 namespace sherd {
 GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,
                          std::map<std::string, int> done, const DatasetRun& run,
-                         const Progress& progress)
+                         const std::optional<glm::dvec3>& offset, const Progress& progress)
     : ready_(ready),
       run_(run),
       options_(run.options),
       sha256_(std::move(sha256)),
       done_(std::move(done)),
+      offset_(offset),
       progress_(progress),
       planned_(fracturesOf(run.options.schedule)) {}
 
@@ -92,6 +94,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
     plan->drawn.emplace_back(option.name, option.valueFor(seed));
     fractureOption(option.name)->value.set(each, plan->drawn.back().second);
   }
+  if (offset_) each = recentered(std::move(each), *offset_);
   plan->options = optionsFor(each.fracture, each.write);
   if (options_.layout == DatasetLayout::bb) plan->options.surface.meshes = true;  // to scale them
   plan->options.pieces = plan->planned.pieces;

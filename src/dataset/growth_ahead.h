@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,10 @@ class GrowthAhead {
   ///   sha256  of the object's file
   ///   done    attempts of finished fractures, by name.  With options.distinct these are grown
   ///           again, to compare others with them
+  ///   offset  of an object that was recentered
   GrowthAhead(const PreparedSolid& ready, std::string sha256, std::map<std::string, int> done,
-              const DatasetRun& run, const Progress& progress);
+              const DatasetRun& run, const std::optional<glm::dvec3>& offset,
+              const Progress& progress);
 
   /// Returns the next fracture; null at the end.
   ///   throws  Error(input) none differs enough from the others; errors of grow()
@@ -47,6 +50,7 @@ class GrowthAhead {
   const DatasetOptions& options_;
   const std::string sha256_;
   const std::map<std::string, int> done_;
+  const std::optional<glm::dvec3> offset_;
   const Progress& progress_;
   const std::vector<PlannedFracture> planned_;
   std::size_t next_ = 0;                              // index into planned_

@@ -141,6 +141,7 @@ Json rowOf(const DatasetPlan& plan, const LibraryObject& object, const std::stri
     for (const Json& file : fragment.at("files")) row["sha256"].push_back(sums[file]);
   }
   if (fragment.contains("pose")) row.update(fragment.at("pose"));
+  if (line.contains("offset")) row["offset"] = line.at("offset");
   const bool isTree = plan.layout != DatasetLayout::hdf5 && plan.layout != DatasetLayout::pfpp;
   if (isRenamed(object))
     row["folder"] = objectFolder(isTree ? plan.layout : DatasetLayout::bb, object);

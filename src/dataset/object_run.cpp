@@ -10,6 +10,7 @@
 #include <sherd/error.h>
 #include <sherd/files.h>
 #include <sherd/fracture.h>
+#include <sherd/options.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -18,7 +19,9 @@
 #include <chrono>
 #include <cstdio>
 #include <map>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <type_traits>
 #include <utility>
 
@@ -80,7 +83,12 @@ class ObjectRun {
 
  private:
   void breakObject() {
-    const SourceMesh source = timed("read", [&] { return read(); });
+    SourceMesh source = timed("read", [&] { return read(); });
+    if (options_.each.recenter) {
+      const glm::dvec3 offset = boxCenter(source.mesh);
+      source.mesh = moved(std::move(source.mesh), -offset);
+      options_.each.write.offset = offset;
+    }
     if (!journal_.text().sha256.empty() && journal_.text().sha256 != source.sha256)
       journal_.clear();
     store_.emplace(storeOf(run_.out, object_, options_, journal_.files(), journal_.archiveBytes()),
@@ -128,7 +136,7 @@ class ObjectRun {
     base.solid.voxelSize = ready.solid.frame.voxelSize;
     memory_ = estimatedMemory(source.mesh, base) + sampleMemory(write, base.pieces, heldBytes());
     if (keepsIntactSurface(ready.solid)) ready.surface = intactSurface(ready.solid);
-    const FractureWriter writer(source, options_.each.write);
+    const FractureWriter writer(source, options_.each.write, options_.layout == DatasetLayout::bb);
     source_ = &source;
     ready_ = &ready;
     writer_ = &writer;
@@ -196,12 +204,14 @@ class ObjectRun {
       }
     });
     FractureLine line(kWholeName, {0, 0}, options.seed, 0, {});
+    if (isInWorld()) line.setOffset(options_.each.write.offset);
     line.addFragments(whole, names.files, *files, options_.poses);
     keep(files, line.json());
   }
 
   void breakPlanned() {
-    GrowthAhead growthAhead(*ready_, journal_.text().sha256, done_, run_, progress_);
+    GrowthAhead growthAhead(*ready_, journal_.text().sha256, done_, run_,
+                            options_.each.write.offset, progress_);
     const auto growNext = [&](tbb::flow_control& control) -> std::shared_ptr<Work> {
       auto work = std::make_shared<Work>();
       uncancelled([&] { work->growth = growthAhead.next(); });
@@ -278,6 +288,7 @@ class ObjectRun {
         fractureNames(options_.layout, named(options), planned, growth->number, result.kept());
     work.files = store_->stage(names.prefix);
     FractureLine line(planned.name(), planned, options.seed, growth->attempt, growth->drawn);
+    if (isInWorld()) line.setOffset(options_.each.write.offset);
     line.addFragments(result, names.files, *work.files, options_.poses);
     making(*work.files,
            [&] { writeFiles(*work.files, names.files, options, growth->number, result); });
@@ -336,9 +347,15 @@ class ObjectRun {
       default:
         for (const std::string& warning :
              writer_->write(files, names, options, result, &progress_)) {
-          run_.warning(object_.key + ": " + warning);
+          warnOnce(object_.key + ": " + warning);
         }
     }
+  }
+
+  // Fractures of an object are written in parallel, and mostly have the same warnings.
+  void warnOnce(const std::string& warning) const {
+    const std::lock_guard lock(warnedMutex_);
+    if (warned_.insert(warning).second) run_.warning(warning);
   }
 
   void renderThumbnail(const std::string& name, const FractureResult& result) const {
@@ -391,6 +408,12 @@ class ObjectRun {
     });
   }
 
+  // Whether files have the positions of the object, and are not in a frame of the layout's own.
+  bool isInWorld() const {
+    return options_.layout == DatasetLayout::sherd || options_.layout == DatasetLayout::packed ||
+           options_.layout == DatasetLayout::paper;
+  }
+
   // Breaking Bad's frame: longest side 1, center of the box at 0.  A shell reaches half of its
   // thickness beyond the mesh.
   std::pair<glm::dvec3, double> unitBox() const {
@@ -416,7 +439,7 @@ class ObjectRun {
   const LibraryObject& object_;
   Journal& journal_;
   const DatasetRun& run_;
-  const DatasetOptions& options_;
+  DatasetOptions options_;
   Clock::time_point begin_ = Clock::now();
   Progress progress_{.report = {}, .cancelled = [this] {
                        return run_.cancelled() || secondsSince(begin_) > options_.objectTimeout;
@@ -428,6 +451,8 @@ class ObjectRun {
   std::map<std::string, int> done_;  // attempt of each finished fracture, by name
   std::uint64_t memory_ = 0;
   bool hasWarned_ = false;  // of a surface that is not exact
+  mutable std::mutex warnedMutex_;
+  mutable std::set<std::string> warned_;
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace sherd {
 
-void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments) {
+void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments, bool isDouble) {
   std::string text;
   std::size_t vertices = 0;
   for (const Fragment& fragment : fragments) {
@@ -21,7 +21,7 @@ void writeBoundaries(const OutputFile& file, std::span<const Fragment> fragments
       if (found == curves.end()) continue;
       for (const std::vector<std::uint32_t>& curve : found->second) {
         for (const std::uint32_t v : curve) {
-          appendVector(text += 'v', fragment.mesh.vertices[v]);
+          appendVector(text += 'v', fragment.mesh.vertices[v], isDouble);
           text += '\n';
         }
         text += 'l';

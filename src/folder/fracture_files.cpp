@@ -47,9 +47,11 @@ bool hasSourceFaces(const WriteOptions& write) {
 
 }  // namespace
 
-FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write)
+FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& write,
+                               bool isInUnitBox)
     : source_(source),
       options_(write),
+      isInUnitBox_(isInUnitBox),
       table_(materialTable(source.appearance)),
       memory_(write.samplingMemory) {
   const bool hasMeshes = write.mesh || write.scene || write.usd || write.houdini || write.viewer;
@@ -58,6 +60,10 @@ FractureWriter::FractureWriter(const SourceMesh& source, const WriteOptions& wri
   if ((hasMeshes && !source.mesh.attributes.empty()) || hasFaces) {
     attributes_.emplace(source.mesh, hasFaces);
   }
+}
+
+bool FractureWriter::isDouble(bool isExact, const Solid& solid) const {
+  return sherd::isDouble(options_, isExact, isInUnitBox_ ? Solid() : solid);  // near the origin
 }
 
 std::vector<std::string> FractureWriter::write(const OutputFolder& folder,
@@ -110,7 +116,9 @@ void FractureWriting::begin(const Progress* progress) const {
       writeVoxels(folder_ / files_.labels[i], voxels, write.voxelFormats[i]);
     }
   }
-  if (!files_.seeds.empty()) writeSeeds(folder_ / files_.seeds, result_.seeds, result_.solid);
+  if (!files_.seeds.empty()) {
+    writeSeeds(folder_ / files_.seeds, result_.seeds, result_.solid, write.offset);
+  }
   if (!files_.cost.empty()) writeCost(folder_ / files_.cost, result_.solid, result_.labels);
   throwIfCancelled(progress);
   if (!files_.solidVdb.empty()) {
@@ -119,7 +127,7 @@ void FractureWriting::begin(const Progress* progress) const {
   throwIfCancelled(progress);
   if (!files_.solidMesh.empty()) {
     const TriangleMesh whole = intactMesh(result_, options_.surface);
-    meshes_.write(whole, meshes_.attributesOf(whole), files_.solidMesh);
+    meshes_.write(whole, meshes_.attributesOf(whole), files_.solidMesh, isDouble());
   }
 }
 
@@ -133,12 +141,12 @@ void FractureWriting::writeMeshes(std::size_t i) {
   const Fragment& fragment = result_.fragments[i];
   if (!files_.proxy.empty()) {
     const std::string name = std::filesystem::path(files_.proxy[i]).stem().string();
-    writeProxy(folder_ / files_.proxy[i], fragment, name, write.proxyGap);
+    writeProxy(folder_ / files_.proxy[i], fragment, name, write.proxyGap, isDouble());
   }
   if (!files_.mesh.empty() || !attributes_.empty()) {
     SurfaceAttributes attributes = meshes_.attributesOf(fragment.mesh);
     if (!files_.mesh.empty()) {
-      meshes_.write(fragment.mesh, attributes, files_.mesh[i]);
+      meshes_.write(fragment.mesh, attributes, files_.mesh[i], isDouble());
     }
     if (!attributes_.empty()) attributes_[i] = std::move(attributes);
   }
@@ -148,7 +156,7 @@ void FractureWriting::writeMeshes(std::size_t i) {
   }
   for (std::size_t k = 0; !files_.coarse.empty() && k < files_.coarse[i].size(); ++k) {
     const TriangleMesh& coarse = fragment.coarse[k];
-    meshes_.write(coarse, meshes_.attributesOf(coarse), files_.coarse[i][k]);
+    meshes_.write(coarse, meshes_.attributesOf(coarse), files_.coarse[i][k], isDouble());
   }
   if (!previews_.empty()) previews_[i] = previewFragment(fragment, result_.solid);
 }
@@ -163,7 +171,9 @@ void FractureWriting::write(std::size_t first, std::size_t end) {
 std::vector<std::string> FractureWriting::finish(const Progress* progress) const {
   std::vector<std::string> warnings;
   const WriteOptions& write = writer_.options();
-  if (!files_.boundaries.empty()) writeBoundaries(folder_ / files_.boundaries, kept());
+  if (!files_.boundaries.empty()) {
+    writeBoundaries(folder_ / files_.boundaries, kept(), isDouble());
+  }
   if (!files_.allVdb.empty()) {
     writeVdbOfAll(folder_ / files_.allVdb, kept(), result_.labels, metadata(), write.vdbOptions);
   }
@@ -205,6 +215,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
     writeAllCorrespondences(folder_ / files_.correspondences, kept(), write.correspondences,
                             options_.seed);
   }
+  std::string rounding = writer_.roundingWarning(result_.solid);
+  if (!rounding.empty()) warnings.push_back(std::move(rounding));
   reportProgress(progress, "write", 1.0);
   if (!files_.preview.empty()) {
     writePng(folder_ / files_.preview, renderFragments(previews_, {.up = write.up}, progress));

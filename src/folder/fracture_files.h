@@ -10,6 +10,7 @@
 #include "base/memory_gate.h"
 #include "folder/manifest.h"
 #include "folder/mesh_writer.h"
+#include "folder/rounding.h"
 #include "formats/mesh/materials.h"
 
 namespace sherd {
@@ -18,7 +19,8 @@ namespace sherd {
 /// the options.
 class FractureWriter {
  public:
-  FractureWriter(const SourceMesh& source, const WriteOptions& write);
+  ///   isInUnitBox  meshes are moved into a box of side 1 around the origin before they are written
+  FractureWriter(const SourceMesh& source, const WriteOptions& write, bool isInUnitBox = false);
 
   [[nodiscard]] const SourceMesh& source() const { return source_; }
   [[nodiscard]] const WriteOptions& options() const { return options_; }
@@ -26,6 +28,16 @@ class FractureWriter {
   /// The source of the meshes' surface attributes and source faces; null if there are neither.
   [[nodiscard]] const AttributeSource* attributes() const {
     return attributes_ ? &*attributes_ : nullptr;
+  }
+
+  /// Returns whether vertices have double precision, in formats that hold it.
+  ///   isExact  they have exact surfaces
+  ///   solid    that is broken
+  [[nodiscard]] bool isDouble(bool isExact, const Solid& solid) const;
+
+  /// Returns roundingWarning of the files.
+  [[nodiscard]] std::string roundingWarning(const Solid& solid) const {
+    return isInUnitBox_ ? std::string() : sherd::roundingWarning(options_, solid);
   }
 
   /// Of points of all fragments and fractures that are written at once.
@@ -41,6 +53,7 @@ class FractureWriter {
  private:
   const SourceMesh& source_;
   const WriteOptions& options_;
+  bool isInUnitBox_;
   MaterialTable table_;
   std::optional<AttributeSource> attributes_;
   mutable MemoryGate memory_;
@@ -74,6 +87,7 @@ class FractureWriting {
  private:
   std::span<const Fragment> kept() const;
   GridMetadata metadata() const;
+  bool isDouble() const { return writer_.isDouble(isExact(options_, result_), result_.solid); }
   void writeLevelSet(std::size_t i) const;
   void writeMeshes(std::size_t i);
 

@@ -3,6 +3,7 @@
 
 #include <sherd/evaluate.h>
 #include <sherd/folder.h>
+#include <sherd/options.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include "exact/rounded_crossings.h"
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
+#include "folder/rounding.h"
 #include "folder/split_parents.h"
 #include "formats/voxels/vdb_unit.h"
 #include "options/record.h"
@@ -54,6 +56,12 @@ double effectiveNumber(const FractureResult& result) {
 RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
                   const WriteOptions& write) {
   RunOptions used{.fracture = options, .volume = {}, .write = write};
+  if (write.offset) {
+    used.recenter = true;
+    used.fracture = moved(std::move(used.fracture), *write.offset);  // as they were given
+  }
+  if (isDouble(write, isExact(options, result), result.solid))
+    used.write.precision = Precision::full;
   used.fracture.pieces = static_cast<int>(result.fragments.size());
   if (!result.parents.empty()) {
     used.fracture.erode.iterations = 0;  // of the whole: ignored
@@ -260,6 +268,17 @@ std::vector<MeshFacts> meshFacts(const FractureResult& result) {
   return result.surfaces ? meshFacts(*result.surfaces) : meshFacts(result.fragments);
 }
 
+std::string crossingsWarning(std::span<const MeshFacts> facts, const WriteOptions& write) {
+  std::size_t crossings = 0;
+  for (const MeshFacts& own : facts) crossings += own.roundedCrossings.value_or(0);
+  const bool isSingle = write.mesh && write.precision == Precision::single;
+  if (crossings == 0 || (!isSingle && !hasFloatFormat(write))) return {};
+  return std::to_string(crossings) +
+         (crossings == 1 ? " pair of triangles crosses" : " pairs of triangles cross") +
+         " each other where files of single precision round their vertices; .ply and .obj with the "
+         "option precision auto or double have no such pairs";
+}
+
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                          const FractureResult& result, std::span<const MeshFacts> facts,
                          const FractureFiles& files, const WriteOptions& write) {
@@ -273,10 +292,14 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     manifest["pieces_asked"] = options.pieces;
   }
   if (!result.exactFailure.empty()) manifest["exact_failure"] = result.exactFailure;
+  if (write.offset) manifest["offset"] = jsonOf(*write.offset);
   manifest["grid"] = gridJson(source, options, result);
   const double unit = vdbUnitOf(result.solid.frame.voxelSize, write.vdbOptions.half);
   const bool hasVdb = !files.vdb.empty() || !files.allVdb.empty() || !files.solidVdb.empty();
   if (hasVdb && unit != 1.0) manifest["grid"]["vdb_unit"] = unit;
+  if (const Rounding rounding = roundingOf(write, result.solid); !rounding.files.empty()) {
+    manifest["rounding"] = {{"files", rounding.files}, {"length", rounding.length}};
+  }
   manifest["components"] = result.components;
   if (result.sizeError > 0.0) manifest["size_error"] = result.sizeError;
   manifest["effective_number"] = effectiveNumber(result);

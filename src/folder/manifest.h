@@ -62,6 +62,11 @@ struct MeshFacts {
 /// The same of a fracture: of its surfaces, or where these are null, of its meshes.
 [[nodiscard]] std::vector<MeshFacts> meshFacts(const FractureResult& result);
 
+/// Returns a sentence about triangles that cross each other in files of single precision; empty if
+/// there are none, or no such files.
+[[nodiscard]] std::string crossingsWarning(std::span<const MeshFacts> facts,
+                                           const WriteOptions& write);
+
 /// Returns the manifest's text.  It has no times or machine names, and its numbers round-trip, so
 /// equal fractures give equal bytes.  The fragments' meshes and level sets are not used.
 ///   facts  [fragments] as returned by meshFacts

@@ -36,9 +36,8 @@ SurfaceAttributes MeshWriter::attributesOf(const TriangleMesh& mesh) const {
 }
 
 void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
-                       const std::vector<std::string>& paths) const {
+                       const std::vector<std::string>& paths, bool isDouble) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
-  const bool isDouble = options_.precision == Precision::full;
   std::vector<std::int32_t> faces;
   if (attributes_ && attributes_->findsTriangles()) {
     faces = sourceFaces(mesh, input_.source, *attributes_, solid_);
@@ -51,7 +50,7 @@ void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attrib
       continue;
     }
     if (options_.plainMeshes && format == MeshFileFormat::obj) {
-      writePlainObj(folder_ / paths[i], mesh);
+      writePlainObj(folder_ / paths[i], mesh, isDouble);
       continue;
     }
     if (options_.plainMeshes && format == MeshFileFormat::glb) {

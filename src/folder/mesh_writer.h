@@ -31,8 +31,9 @@ class MeshWriter {
   /// Writes a mesh in all formats.
   ///   attributes  attributesOf the mesh
   ///   paths       [formats] in the folder
+  ///   isDouble    vertices have double precision, in formats that hold it
   void write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
-             const std::vector<std::string>& paths) const;
+             const std::vector<std::string>& paths, bool isDouble) const;
 
   /// Writes all fragments as scenes: one .glb, and USD in all formats.
   ///   attributes  [fragments] attributesOf their meshes

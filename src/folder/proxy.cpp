@@ -7,11 +7,11 @@
 namespace sherd {
 
 void writeProxy(const OutputFile& file, const Fragment& fragment, const std::string& name,
-                double gap) {
+                double gap, bool isDouble) {
   const TriangleMesh hull = convexHullMesh(fragment.mesh.vertices, 0.5 * gap);
   std::string text = "o " + name + "\n";
   for (const glm::dvec3& v : hull.vertices) {
-    appendVector(text += 'v', v);
+    appendVector(text += 'v', v, isDouble);
     text += '\n';
   }
   for (const glm::uvec3& t : hull.triangles) {

@@ -32,6 +32,7 @@ FragmentSet listOf(const Manifest& manifest) {
   set.seed = manifest.seed;
   set.voxelSize = manifest.voxelSize;
   set.splitParents = manifest.splitParents;
+  set.offset = manifest.offset;
   for (const ManifestFragment& fragment : manifest.fragments) {
     EvaluatedFragment& result = set.fragments.emplace_back();
     result.name = meshOf(fragment.meshes);

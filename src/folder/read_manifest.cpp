@@ -5,6 +5,7 @@
 #include <sherd/seeds.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <unordered_set>
@@ -78,6 +79,19 @@ openvdb::Coord coordinates(const Json& object, const char* key, double low,
     coordinates[axis] = wholeIn(list[static_cast<std::size_t>(axis)], low, kFarthestVoxel, what);
   }
   return coordinates;
+}
+
+glm::dvec3 vectorIn(const Json& list, const std::string& what) {
+  if (!list.is_array() || list.size() != 3) damaged(what + " is not a list of three numbers");
+  glm::dvec3 vector;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Json& value = list[static_cast<std::size_t>(axis)];
+    if (!value.is_number() || !std::isfinite(value.get<double>())) {
+      damaged(what + " is not a list of three numbers");
+    }
+    vector[axis] = value.get<double>();
+  }
+  return vector;
 }
 
 // ---- Files
@@ -174,6 +188,7 @@ Manifest manifestOf(const Json& json) {
   manifest.indexMin = coordinates(grid, "index_min", -kFarthestVoxel, "its grid");
   manifest.solidVoxels = count(grid, "solid_voxels", "its grid");
   manifest.components = count(json, json.contains("components") ? "components" : "parts", "it");
+  if (json.contains("offset")) manifest.offset = vectorIn(json["offset"], "its \"offset\"");
   std::optional<std::vector<std::string>> files = listedFiles(json);
   if (!files) damaged("its list of files is absent or leaves the folder");
   manifest.files = std::move(*files);

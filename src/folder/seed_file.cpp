@@ -20,6 +20,18 @@ constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20;  // some 700,0
 
 [[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
 
+// Reads three numbers, or returns nothing.
+std::optional<glm::dvec3> vectorIn(const Json& list) {
+  if (!list.is_array() || list.size() != 3) return {};
+  glm::dvec3 vector;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Json& value = list[static_cast<std::size_t>(axis)];
+    if (!value.is_number()) return {};
+    vector[axis] = value.get<double>();
+  }
+  return vector;
+}
+
 SeedPoint pointOf(const Json& entry, std::size_t number) {
   const auto refuse = [&](const std::string& what) {
     inputError("seed " + std::to_string(number + 1) + " " + what);
@@ -30,15 +42,10 @@ SeedPoint pointOf(const Json& entry, std::size_t number) {
     refuse("has no whole number \"fragment\"");
   }
   const auto position = entry.find("position");
-  if (position == entry.end() || !position->is_array() || position->size() != 3) {
-    refuse("has no \"position\" of three numbers");
-  }
+  const std::optional<glm::dvec3> at = position == entry.end() ? std::nullopt : vectorIn(*position);
+  if (!at) refuse("has no \"position\" of three numbers");
   SeedPoint point;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Json& value = (*position)[static_cast<std::size_t>(axis)];
-    if (!value.is_number()) refuse("has no \"position\" of three numbers");
-    point.position[axis] = value.get<double>();
-  }
+  point.position = *at;
   const bool inRange =
       fragment->is_number_unsigned() && *fragment >= 1 && *fragment <= kMaxFragments;
   if (!inRange) {
@@ -61,6 +68,11 @@ std::vector<SeedPoint> seedPoints(const Json& json) {
   if (seeds == json.end() || !seeds->is_array()) inputError("has no list \"seeds\"");
   std::vector<SeedPoint> points;
   for (const Json& entry : *seeds) points.push_back(pointOf(entry, points.size()));
+  const auto given = json.find("offset");
+  if (given == json.end()) return points;
+  const std::optional<glm::dvec3> offset = vectorIn(*given);
+  if (!offset) inputError("has an \"offset\" that is not three numbers");
+  for (SeedPoint& point : points) point.position += *offset;
   return points;
 }
 
@@ -73,8 +85,11 @@ std::vector<SeedPoint> readSeedPoints(const fs::path& file) {
   }
 }
 
-void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid) {
-  std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",\n \"seeds\": [";
+void writeSeeds(const OutputFile& file, std::span<const Seed> seeds, const Solid& solid,
+                const std::optional<glm::dvec3>& offset) {
+  std::string text = "{\n \"schema\": \"" + std::string(kSchema) + "\",";
+  if (offset) text += "\n \"offset\": " + Json{offset->x, offset->y, offset->z}.dump() + ",";
+  text += "\n \"seeds\": [";
   const char* separator = "\n";
   const double step = solid.frame.voxelSize / kSeedSteps;  // world units
   for (const Seed& seed : seeds) {

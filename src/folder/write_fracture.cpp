@@ -72,6 +72,12 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
   return facts;
 }
 
+void warnOfCrossings(FractureReplacement& replacement, std::span<const MeshFacts> facts,
+                     const WriteOptions& write) {
+  std::string warning = crossingsWarning(facts, write);
+  if (!warning.empty()) replacement.warn(std::move(warning));
+}
+
 void checkInput(const FractureInput& input, const WriteOptions& write) {
   if (input.finished == nullptr && !input.only.empty()) {
     throw Error(ErrorCode::usage, "fragments can be broken again only of a finished fracture");
@@ -119,8 +125,9 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
     for (std::string& warning : writer.write(staged, files, options, result, progress)) {
       replacement.warn(std::move(warning));
     }
-    writeWhole(staged / kManifestName,
-               manifestText(source, options, result, meshFacts(result), files, write));
+    const std::vector<MeshFacts> facts = meshFacts(result);
+    warnOfCrossings(replacement, facts, write);
+    writeWhole(staged / kManifestName, manifestText(source, options, result, facts, files, write));
   });
   const Uncut whole;
   replacement.putInPlace();
@@ -149,6 +156,7 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
     const std::vector<MeshFacts> facts =
         makeAndWrite(grown, options.surface, write, result, writing, clock, progress);
     for (std::string& warning : writing.finish(progress)) replacement.warn(std::move(warning));
+    warnOfCrossings(replacement, facts, write);
     writeWhole(staged / kManifestName, manifestText(source, options, result, facts, files, write));
   });
   clock.done("write");

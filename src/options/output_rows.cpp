@@ -248,11 +248,18 @@ const Row kFileRows[]{
     {.name = "precision",
      .group = "",
      .value = V::choice(kWrite, &WriteOptions::precision, names::kPrecision),
-     .help = "Number type of vertices in .ply meshes",
-     .details = "number type of the vertices in `.ply` meshes; with `double` and `--surface exact` "
-                "uncut vertices are the input's bit for bit, whatever its precision",
+     .help = "Number type of vertices in meshes as .ply, .obj and text STL; auto: double of exact "
+             "surfaces, and where single would move them by more than a hundredth of a voxel",
+     .details = "number type of the vertices in meshes as `.ply`, `.obj` and text STL; `auto` is "
+                "`double` with `--surface exact`, whose uncut vertices are the input's bit for bit "
+                "then and "
+                "whose slivers would cross each other in `single`, and where `single` would move "
+                "vertices by "
+                "more than a hundredth of a voxel, far from the origin. Other formats have single "
+                "precision "
+                "only, and a warning says so where that matters",
      .key = "mesh_precision",
-     .recorded = [](R o) { return o.write.mesh && o.write.precision != Precision::single; }},
+     .recorded = [](R o) { return o.write.mesh && o.write.precision != Precision::automatic; }},
     {.name = "source-faces",
      .group = "",
      .value = V::flag(kWrite, &WriteOptions::sourceFaces),

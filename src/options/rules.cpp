@@ -314,10 +314,19 @@ std::vector<Rule> formatRules() {
        [](O o, U) { return o.write.plainMeshes; },
        "does nothing with {plain-meshes}",
        {"plain-meshes"}},
-      {{"precision", "source-faces"},
+      {{"source-faces"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"mesh"}) || !hasFormat(o, MeshFileFormat::ply); },
        "does nothing without mesh in {write} and ply in {mesh-format}"},
+      {{"precision"},
+       Verdict::idle,
+       [](O o, U) {
+         const bool hasDoubles = hasFormat(o, MeshFileFormat::ply) ||
+                                 hasFormat(o, MeshFileFormat::obj) ||
+                                 hasFormat(o, MeshFileFormat::stlText);
+         return !writes(o, {"mesh"}) || !hasDoubles;
+       },
+       "does nothing without mesh in {write} and ply, obj or stl-ascii in {mesh-format}"},
       {{"voxel-format"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"labels"}); },

@@ -130,6 +130,18 @@ const Row kSolidRows[]{
      .key = "shell_thickness",
      .recorded = [](R o) { return o.fracture.solid.shellThickness > 0.0; },
      .unit = "world units"},
+    {.name = "recenter",
+     .group = "Solid",
+     .value = V::flag(
+         [](auto& o) -> auto& { return o; }, &RunOptions::recenter),
+     .help = "Move the object so that the center of its box is the origin; the manifest has the "
+             "offset",
+     .details = "move the object so that the center of its box is the origin, where single "
+                "precision resolves it. All files are in these coordinates; `offset` in the "
+                "manifest, added to them, gives those of the input, in which options have their "
+                "positions",
+     .key = "recenter",
+     .recorded = [](R o) { return o.recenter; }},
     {.name = "grid",
      .group = "Solid",
      .value = V::string(kVolume, &VolumeOptions::grid, "NAME"),

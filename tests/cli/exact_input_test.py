@@ -49,7 +49,7 @@ def read_obj(path):
     for line in pathlib.Path(path).read_text().splitlines():
         word, *rest = line.split() or [""]
         if word in ("v", "vn"):
-            (vertices if word == "v" else normals).append([np.float32(x) for x in rest[:3]])
+            (vertices if word == "v" else normals).append([(float if word == "v" else np.float32)(x) for x in rest[:3]])
         elif word == "usemtl":
             material = rest[0]
         elif word == "g":
@@ -158,7 +158,7 @@ class ExactInput(CommandLine):
         vertices, faces = polygons()
         mesh = self.path("gear.obj")
         write(mesh, vertices, faces)
-        whole = {tuple(map(tuple, np.float32(vertices[list(f)]).tolist())) for f in faces}
+        whole = {tuple(map(tuple, np.asarray(vertices)[list(f)].tolist())) for f in faces}
         pieces = self.broken(mesh, "--mesh-format", "ply,obj")
         counts = dict.fromkeys(("ply", "obj"), 0)
         for piece in pieces:
@@ -189,7 +189,7 @@ class ExactInput(CommandLine):
         with open(os.path.join(self.out, "manifest.json")) as file:
             v, found = read_obj(os.path.join(self.out, json.load(file)["solid"]["mesh"]))
         self.assertEqual({tuple(map(tuple, v[f].tolist())) for f, *_ in found},
-                         {tuple(map(tuple, np.float32(vertices[list(f)]).tolist())) for f in faces})
+                         {tuple(map(tuple, np.asarray(vertices)[list(f)].tolist())) for f in faces})
 
     def test_objects_are_groups(self):
         vertices, faces = polygons()

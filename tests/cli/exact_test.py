@@ -107,6 +107,25 @@ class Exact(CommandLine):
             self.assertLessEqual({t for t in seen if t in whole}, whole)
             self.assertGreater(len(seen & whole), 10, "some triangles are whole")
 
+    def test_default_files_are_double_and_others_are_warned_of(self):
+        """The rim of a tube is thin and rounded to floats the slivers beside its cracks cross each other."""
+        profile = [(0.6, 0), (0.8, 0.9), (0.9, 1.5), (0.84, 1.5), (0.74, 0.9), (0.55, 0.08)]
+        v = np.array([(r * math.cos(2 * math.pi * k / 40), r * math.sin(2 * math.pi * k / 40), z) for r, z in profile for k in range(40)])
+        f = [t for i in range(6) for k in range(40) for a, b, c, d in [(40 * i + k, 40 * i + (k + 1) % 40, 40 * ((i + 1) % 6) + (k + 1) % 40, 40 * ((i + 1) % 6) + k)]
+             for t in ((a, b, c), (a, c, d))]
+        mesh = self.path("tube.obj")
+        write_obj(mesh, (v.astype(np.float32).tolist(), f))
+        options = ("--surface", "exact", "--write", "mesh")
+        run = self.done(*options, mesh=mesh, pieces=20)
+        self.assertNotIn("pairs of triangles", run.stderr)
+        self.assertEqual(self.manifest()["options"]["mesh_precision"], "double")
+        crossings = sum(fragment["rounded_crossings"] for fragment in self.manifest()["fragments"])
+        self.assertGreater(crossings, 0)
+        self.assertTrue(all(v.dtype == np.float64 and (v != v.astype(np.float32)).any() for _, v, *_ in self.pieces()))
+        for more in (("--mesh-format", "ply,glb"), ("--precision", "single")):
+            run = self.done(*options, *more, mesh=mesh, pieces=20)
+            self.assertIn(f"warning: {crossings} pairs of triangles cross each other", run.stderr)
+
     def test_both_sides_of_a_crack_have_the_same_faces(self):
         self.exact("--roughness", "1")
         faces = collections.Counter()

@@ -311,6 +311,29 @@ def test_a_loaded_fracture_is_the_saved_one(fracture, tmp_path):
         f.save(tmp_path / "other")
 
 
+def test_a_recentered_object_is_the_one_at_the_origin(tmp_path):
+    vertices, faces = cube(10.0)
+    vertices, offset = np.asarray(vertices, float) - 5, np.array([500000.0, 4500000.0, 100.0])
+    given = {"resolution": 24, "pieces": 3}
+    near = pysherd.fracture((vertices, faces), impact="5,1,2,2", **given)
+    far = pysherd.fracture((vertices + offset, faces), impact="500005,4500001,102,2", recenter=True, **given)
+    assert np.array_equal(far.offset, offset) and np.array_equal(far.solid.offset, offset) and not near.offset.any()
+    assert all(np.array_equal(a.vertices, b.vertices) for a, b in zip(near, far))
+    far.save(tmp_path / "out", write=["labels", "vdb", "mesh"])
+    with open(tmp_path / "out" / "manifest.json") as file:
+        manifest = json.load(file)
+    assert manifest["offset"] == offset.tolist() and manifest["options"]["recenter"] is True
+    assert manifest["options"]["seeds"]["impacts"][0]["point"] == [500005, 4500001, 102]
+    loaded = pysherd.load(tmp_path / "out")
+    assert np.array_equal(loaded.offset, offset) and loaded.options["recenter"] is True
+    again = pickle.loads(pickle.dumps(far))
+    assert np.array_equal(again.offset, offset) and np.array_equal(again[0].vertices, far[0].vertices)
+    solid = pysherd.voxelize((vertices + offset, faces), resolution=24, recenter=True)
+    assert np.array_equal(pysherd.fracture(pickle.loads(pickle.dumps(solid)), pieces=3, impact="500005,4500001,102,2")[1].vertices, near[1].vertices)
+    with pytest.raises(pysherd.UsageError, match="recenter"):
+        pysherd.fracture(solid, recenter=True)
+
+
 def test_images(fracture, tmp_path):
     image = fracture.render(tmp_path / "x.png", explode=0.3, size=(80, 60))
     assert image.shape == (60, 80, 3) and image.dtype == np.uint8 and image.std() > 1

@@ -189,8 +189,8 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, viewer, usd,
          houdini, plainMeshes, proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats,
          meshFormats, usdFormats, usdVolumes, jointStrength, metersPerUnit, points, sharePoints,
-         pointFormats, samplingMemory, distances, correspondences, precision, sourceFaces, up] =
-      write_;
+         pointFormats, samplingMemory, distances, correspondences, precision, sourceFaces, offset,
+         up] = write_;
   // Which files there are is in the list of files, their formats in their names.
   for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &viewer}) {
     expectNotRecorded("a file", *file, !*file);
@@ -206,6 +206,8 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   vdb = mesh = preview = true;
   expectRecorded("plainMeshes", plainMeshes, true);
   expectRecorded("precision", precision, Precision::full);
+  expectRecorded("precision", precision, Precision::single);
+  expectRecorded("offset", offset, {glm::dvec3(1.0, 2.0, 3.0)});
   expectRecorded("sourceFaces", sourceFaces, true);
   expectRecorded("vdbFiles", vdbFiles, VdbFiles::single);
   expectRecorded("density", density, 2.0);

@@ -81,8 +81,9 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
              texcoords = !piece.attributes.texcoords.empty();
   std::string text = library.empty() ? "" : "mtllib " + library + "\n";
   text += "o " + piece.name + "\n";
-  text.reserve(mesh.vertices.size() * (colors ? 60 : 36) + split.normals.size() * 36 +
-               split.corners.size() * (texcoords ? 24 : 0) + mesh.triangles.size() * 54);
+  text.reserve(mesh.vertices.size() * ((colors ? 60 : 36) + (piece.isDouble ? 24 : 0)) +
+               split.normals.size() * 36 + split.corners.size() * (texcoords ? 24 : 0) +
+               mesh.triangles.size() * 54);
 
   // The format has one color per vertex: the original surface's precedes the inside's.
   std::vector<glm::u8vec3> color(colors ? mesh.vertices.size() : 0, kInsideColor);
@@ -91,7 +92,7 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
     if (corner.neighbor == 0) color[corner.vertex] = corner.color;
   }
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    appendVector(text += 'v', mesh.vertices[i]);
+    appendVector(text += 'v', mesh.vertices[i], piece.isDouble);
     for (int k = 0; k < 3 && colors; ++k) {
       appendFloat(text += ' ', static_cast<float>(color[i][k]) / 255.0f);
     }
@@ -115,11 +116,11 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
   file.write(text);
 }
 
-void writePlainObj(const OutputFile& file, const TriangleMesh& mesh) {
+void writePlainObj(const OutputFile& file, const TriangleMesh& mesh, bool isDouble) {
   std::string text;
-  text.reserve(mesh.vertices.size() * 36 + mesh.triangles.size() * 24);
+  text.reserve(mesh.vertices.size() * (isDouble ? 60 : 36) + mesh.triangles.size() * 24);
   for (const glm::dvec3& vertex : mesh.vertices) {
-    appendVector(text += 'v', vertex);
+    appendVector(text += 'v', vertex, isDouble);
     text += '\n';
   }
   for (const glm::uvec3& t : mesh.triangles) {

@@ -26,7 +26,7 @@ struct PieceMesh {
   const TriangleMesh& mesh;
   const SurfaceAttributes& attributes;  ///< of `mesh`, its own or transferred to it
   const MaterialTable& materials;
-  bool isDouble = false;              ///< writes vertices in double precision, in PLY
+  bool isDouble = false;  ///< writes vertices in double precision, in PLY, OBJ and text STL
   const PieceInput* input = nullptr;  ///< null: polygons and objects of the input are not written
   std::span<const std::int32_t> sourceFaces{};  ///< [triangles] see sourceFaces, or empty; in PLY
 
@@ -90,7 +90,7 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
 
 /// Writes PLY, OBJ and binary glTF with vertices and triangles only.
 void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
-void writePlainObj(const OutputFile& file, const TriangleMesh& mesh);
+void writePlainObj(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
 void writePlainGlb(const OutputFile& file, const std::string& name, const TriangleMesh& mesh);
 
 /// Writes binary STL: triangles with their normals only.

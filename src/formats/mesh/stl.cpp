@@ -50,7 +50,7 @@ void writePieceStlText(const OutputFile& file, const PieceMesh& piece) {
     appendVector(text += " facet normal", normalOf(piece.mesh, t));
     text += "\n  outer loop\n";
     for (int k = 0; k < 3; ++k) {
-      appendVector(text += "   vertex", piece.mesh.vertices[t[k]]);
+      appendVector(text += "   vertex", piece.mesh.vertices[t[k]], piece.isDouble);
       text += "\n";
     }
     text += "  endloop\n endfacet\n";

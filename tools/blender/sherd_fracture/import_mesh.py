@@ -12,7 +12,7 @@ from .shading import shade
 
 INSIDE_COLOR = (0.745, 0.672, 0.552)  # linear; sRGB 224, 214, 196, as in Sherd's material `inside`
 SOURCE_FACE = "source_face"  # the property of faces that --source-faces writes
-PLY_TYPES = {"float": "<f4", "int": "<i4", "uchar": "u1"}
+PLY_TYPES = {"float": "<f4", "double": "<f8", "int": "<i4", "uchar": "u1"}
 PLY_LISTS = {"vertex_indices": 3, "texcoord": 6}
 
 
