@@ -198,8 +198,9 @@ std::pair<std::shared_ptr<Object>, GivenOptions> objectOfState(nb::handle state)
   take(offset);
   if (!offset.empty()) object->offset = offset.front();
   eachField(object->source.emplace(), take);
-  const std::string fault =
-      source.isAt({}) ? faultOf(*object) : "is damaged: its arrays do not fill its state";
+  const std::string fault = offset.size() > 1 ? "has several offsets"
+                            : source.isAt({}) ? faultOf(*object)
+                                              : "is damaged: its arrays do not fill its state";
   if (!fault.empty()) {
     throw sherd::Error(sherd::ErrorCode::input, "this pickle of a solid " + fault);
   }

@@ -123,9 +123,9 @@ def solid_state(**fields):
     """A state of a cube, whose checksum is right, with some fields replaced."""
     vertices, faces = cube()
     content = {
-        "given": several([text(b"resolution") + text(b"12")]), "own_voxel_size": one(0.0, "d"), "level_set": text(b""), "name": text(b"mesh"),
-        "stem": text(b"mesh"), "sha256": text(b"0" * 64), "vertices": array(vertices), "triangles": array(faces.astype(np.uint32)),
-        "neighbor": array([]), "texcoords": array([]), "colors": array([]), "material": array([]), "normals": array([]), "materials": several([]),
+        "given": several([text(b"resolution") + text(b"12")]), "own_voxel_size": one(0.0, "d"), "level_set": text(b""),
+        "offset": array(np.zeros((0, 3))), "name": text(b"mesh"), "stem": text(b"mesh"), "sha256": text(b"0" * 64),
+        "vertices": array(vertices), "triangles": array(faces.astype(np.uint32)), "neighbor": array([]), "texcoords": array([]), "colors": array([]), "material": array([]), "normals": array([]), "materials": several([]),
         "textures": several([]), "objects": several([]), "object_of_triangle": array([]), "polygons": array([]), "grids": several([]),
         "warnings": several([]), "file_vertices": one(8), "degenerate": one(0), "dropped_vertices": one(0), "dropped_triangles": one(0),
         "isovalue": several([]),
@@ -147,6 +147,8 @@ MATERIAL = text(b"m") + struct.pack("<Q3f", 1, 1, 1, 1)
 @pytest.mark.parametrize("named, fields", [
     ("triangle 1 uses vertex 8, there are 8", {"triangles": array(np.where(F == F[0, 0], 8, F).astype(np.uint32))}),
     ("uses vertex 4294967295", {"triangles": array(np.full((1, 3), -1, np.int32))}),
+    ("has an offset that is not finite", {"offset": array(np.array([[0.0, np.nan, 0.0]]))}),
+    ("has several offsets", {"offset": array(np.zeros((2, 3)))}),
     ("has equal corners", {"triangles": array(np.zeros((2, 3), np.uint32))}),
     ("vertex 3 is not finite", {"vertices": array(np.where(np.arange(8)[:, None] == 2, np.nan, V))}),
     ("is 1e\\+40 long along x", {"vertices": array(V * 1e40)}),
