@@ -200,6 +200,7 @@ struct SolidReport {
   ResolutionChoice resolution{};
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner
   std::uint64_t gaps = 0;     ///< voxels taken away between bodies closer than a voxel
+  std::uint64_t joinedBodies = 0;  ///< pairs of such bodies that are too thin to lose voxels
 };
 
 class Seams;

@@ -59,7 +59,8 @@ class Intersections {
   void add(const std::array<std::uint32_t, 2>& pair);
 
   // Divides the triangles of the plane that is named by its first triangle.
-  bool divide(std::span<const std::uint32_t> ofPlane, std::vector<ArrangedTriangle>& out);
+  bool divide(std::span<const std::uint32_t> ofPlane, std::vector<ArrangedTriangle>& out,
+              const Progress* progress);
 
   [[nodiscard]] std::uint32_t planeOf(std::uint32_t triangle) { return plane_.find(triangle); }
 
@@ -124,7 +125,7 @@ void Intersections::add(const std::array<std::uint32_t, 2>& pair) {
 }
 
 bool Intersections::divide(std::span<const std::uint32_t> ofPlane,
-                           std::vector<ArrangedTriangle>& out) {
+                           std::vector<ArrangedTriangle>& out, const Progress* progress) {
   std::vector<PlaneTriangle> triangles;
   std::vector<ArrangedLine> lines;
   std::vector<std::uint32_t> single;
@@ -133,7 +134,7 @@ bool Intersections::divide(std::span<const std::uint32_t> ofPlane,
     lines.insert(lines.end(), lines_[t].begin(), lines_[t].end());
     single.insert(single.end(), single_[t].begin(), single_[t].end());
   }
-  return arrangePlane(triangles, std::move(lines), std::move(single), points_, out);
+  return arrangePlane(triangles, std::move(lines), std::move(single), points_, out, progress);
 }
 
 }  // namespace
@@ -169,7 +170,7 @@ std::vector<ArrangedTriangle> arrangementOf(std::span<const glm::dvec3> vertices
     own.push_back(planes[i][1]);
     if (i + 1 < planes.size() && planes[i + 1][0] == planes[i][0]) continue;
     throwIfCancelled(progress);
-    if (!intersections.divide(own, out)) return {};
+    if (!intersections.divide(own, out, progress)) return {};
     own.clear();
   }
   return out;

@@ -41,10 +41,13 @@ struct PlaneTriangle {
 ///   points  within the triangles; the ends of lines need not be among them
 ///   all     gets the points where lines cross
 ///   out     appended to; pieces that are covered as often from both sides are left out
-///   return  false if the triangulation failed, which has no known cause
+///   return  false if too many lines cross each other, or if the triangulation failed, which has
+///           no other known cause
+///   throws  Error(cancelled)
 [[nodiscard]] bool arrangePlane(std::span<const PlaneTriangle> triangles,
                                 std::vector<ArrangedLine> lines, std::vector<std::uint32_t> points,
-                                PointSet& all, std::vector<ArrangedTriangle>& out);
+                                PointSet& all, std::vector<ArrangedTriangle>& out,
+                                const Progress* progress);
 
 /// Divides all triangles along their intersections.
 ///   vertices   of different positions

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/cancel_flag.h"
 #include "exact/arrangement.h"
 #include "exact/homogeneous_point.h"
 #include "exact/sort_unique.h"
@@ -21,8 +22,8 @@ using Index = std::uint32_t;
 class PlaneArrangement {
  public:
   PlaneArrangement(std::span<const PlaneTriangle> triangles, std::vector<ArrangedLine> lines,
-                   std::vector<Index> points, PointSet& all)
-      : triangles_(triangles), all_(all) {
+                   std::vector<Index> points, PointSet& all, const Progress* progress)
+      : triangles_(triangles), all_(all), progress_(progress) {
     lines_ = std::move(lines);
     sortUnique(lines_);
     firstBorder_ = lines_.size();
@@ -48,6 +49,8 @@ class PlaneArrangement {
 
  private:
   static constexpr int kMostPasses = 64;
+  // Of lines that cross each other in one plane: their triangulation takes more than linear time.
+  static constexpr std::size_t kMostCrossings = 4096;
   static constexpr Index kFrame = 0xffffffffu;  // in numbers_: of a corner around all triangles
 
   void addBorders();
@@ -71,6 +74,7 @@ class PlaneArrangement {
 
   std::span<const PlaneTriangle> triangles_;
   PointSet& all_;
+  const Progress* progress_;
   int axis_ = 0;
   std::vector<ArrangedLine> lines_;  // by numbers of points; three of each triangle come last
   std::size_t firstBorder_ = 0;
@@ -169,6 +173,7 @@ void PlaneArrangement::splitLines(std::size_t firstNew) {
               [&](Index p, Index q) { return at(p).rounded[axes[k]] < at(q).rounded[axes[k]]; });
   }
   for (std::size_t line = 0; line < lines_.size(); ++line) {
+    throwIfCancelled(progress_);
     const glm::dvec3 &p = at(local(lines_[line].from)).rounded,
                      &q = at(local(lines_[line].to)).rounded;
     std::array<std::span<const Index>, 2> between;
@@ -202,7 +207,9 @@ void PlaneArrangement::makeSegments() {
 // Adds the points where segments cross.  Returns false if there are none.
 bool PlaneArrangement::addCrossings(const Triangulation& parts) {
   const std::size_t before = points_.size();
+  if (parts.crossing.size() > kMostCrossings) return false;
   for (const auto& [i, j] : parts.crossing) {
+    throwIfCancelled(progress_);
     const auto endsOf = [&](Index segment) {
       const ArrangedLine& line = lines_[lineOf_[segment]];
       return std::array{all_.at(line.from), all_.at(line.to)};
@@ -303,8 +310,8 @@ void PlaneArrangement::append(std::vector<ArrangedTriangle>& out) const {
 
 bool arrangePlane(std::span<const PlaneTriangle> triangles, std::vector<ArrangedLine> lines,
                   std::vector<std::uint32_t> points, PointSet& all,
-                  std::vector<ArrangedTriangle>& out) {
-  PlaneArrangement plane(triangles, std::move(lines), std::move(points), all);
+                  std::vector<ArrangedTriangle>& out, const Progress* progress) {
+  PlaneArrangement plane(triangles, std::move(lines), std::move(points), all, progress);
   if (!plane.triangulateAll()) return false;
   plane.append(out);
   return true;

@@ -73,6 +73,7 @@ std::string unitedText(const UnitedBodies& united) {
            " bodies, of which some overlap or touch, were united to " +
            std::to_string(united.after);
   }
+  if (united.before > 1) return {};  // they touch where that does not connect them
   return "its surface crosses itself; what lies within it was left out";
 }
 
@@ -169,6 +170,12 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   }
   if (std::string united = unitedText(result.united); !united.empty()) {
     warnings.push_back(titleOf(source) + ": " + std::move(united));
+  }
+  if (report.joinedBodies > 0) {
+    warnings.push_back(titleOf(source) + ": " + counted(report.joinedBodies, "pair") +
+                       " of bodies closer than a voxel and thinner than some three stay joined, so "
+                       "that fragments may reach from one into the other; a higher resolution "
+                       "keeps them apart");
   }
   if (report.tookTooLong) {
     warnings.push_back(titleOf(source) + ": the mesh is a shell, since " + report.fillReason +

@@ -45,13 +45,15 @@ bool hasFloatFormat(const WriteOptions& write) {
 }
 
 double singleRounding(const Solid& solid) {
-  float most = 0.0f;
+  double farthest = 0.0;
   for (const glm::dvec3& corner :
        {solid.frame.worldFromIndex(solid.box.min), solid.frame.worldFromIndex(solid.box.max)}) {
     for (int axis = 0; axis < 3; ++axis) {
-      most = std::max(most, static_cast<float>(std::abs(corner[axis])));
+      farthest = std::max(farthest, std::abs(corner[axis]));
     }
   }
+  if (!(farthest < std::numeric_limits<float>::max())) return farthest;  // no float comes near
+  const auto most = static_cast<float>(farthest);
   const float next = std::nextafter(most, std::numeric_limits<float>::infinity());
   return (static_cast<double>(next) - static_cast<double>(most)) / 2.0;
 }

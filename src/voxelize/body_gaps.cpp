@@ -7,12 +7,13 @@
 #include <array>
 #include <cstdint>
 #include <glm/common.hpp>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "base/cancel_flag.h"
 #include "base/union_find.h"
-#include "exact/unite.h"
+#include "exact/self_crossings.h"
 #include "mesh/boxes.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -24,6 +25,10 @@ constexpr int kLeafSide = 8;
 
 // Two voxels side by side lie on both sides of two surfaces: neither is farther from its own.
 constexpr double kReach = 1.0;
+
+// Where more of the voxels between two bodies have no others behind them, on either side, the
+// bodies are too thin to lose voxels.
+constexpr double kMostThin = 0.3;
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -38,32 +43,24 @@ struct Conflict {
   std::array<std::size_t, 2> voxel{};  // the second one's coordinate is higher
   std::array<std::uint32_t, 2> component{};
   std::array<float, 2> depth{};
-  std::array<bool, 2> isThick{};  // whether the voxel behind is of the same body, or far from any
+  std::array<bool, 2> isThick{};  // whether the body goes on behind
 };
 
 // Returns [leaves] the component whose triangles come near a leaf, kNone or kSeveral.
-std::vector<std::uint32_t> nearLeaves(const LeafBlocks& blocks, const TriangleMesh& mesh,
-                                      const MeshComponents& components) {
+std::vector<std::uint32_t> nearLeaves(const LeafBlocks& blocks, const TriangleTree& tree,
+                                      const MeshComponents& components, CancelFlag& stop) {
   std::vector<std::uint32_t> near(blocks.count(), kNone);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const glm::uvec3& corner = mesh.triangles[t];
-    const Box box =
-        widened(boxOf({mesh.vertices[corner.x], mesh.vertices[corner.y], mesh.vertices[corner.z]}),
-                2.0 * kReach);
-    const glm::ivec3 first(glm::floor(box.min / double{kLeafSide})),
-        last(glm::floor(box.max / double{kLeafSide}));
-    for (int x = first.x; x <= last.x; ++x) {
-      for (int y = first.y; y <= last.y; ++y) {
-        for (int z = first.z; z <= last.z; ++z) {
-          const std::uint32_t leaf =
-              findLeaf(blocks, openvdb::Coord(x * kLeafSide, y * kLeafSide, z * kLeafSide));
-          if (leaf == LeafBlocks::kNone) continue;
-          const std::uint32_t own = components.ofTriangle[t];
-          near[leaf] = near[leaf] == kNone || near[leaf] == own ? own : kSeveral;
-        }
-      }
+  tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t leaf) {
+    if (stop.isSet()) return;
+    const openvdb::Coord& origin = blocks.origins[leaf];
+    const glm::dvec3 corner(origin.x(), origin.y(), origin.z());
+    for (const std::uint32_t t :
+         tree.meeting(widened({corner, corner + (kLeafSide - 1.0)}, 2.0 * kReach))) {
+      const std::uint32_t own = components.ofTriangle[tree.source(t)];
+      near[leaf] = near[leaf] == kNone || near[leaf] == own ? own : kSeveral;
     }
-  }
+  });
+  stop.throwIfSet();
   return near;
 }
 
@@ -73,14 +70,14 @@ class NearVoxels {
   NearVoxels(const LeafBlocks& blocks, const SearchedMesh& mesh, const MeshComponents& components,
              const Progress* progress)
       : blocks_(blocks), slot_(blocks.count(), kNone) {
-    const std::vector<std::uint32_t> near = nearLeaves(blocks, mesh.mesh, components);
+    CancelFlag stop(progress);
+    const std::vector<std::uint32_t> near = nearLeaves(blocks, *mesh.tree, components, stop);
     for (std::uint32_t leaf = 0; leaf < near.size(); ++leaf) {
       if (near[leaf] != kSeveral) continue;
       slot_[leaf] = static_cast<std::uint32_t>(leaves_.size());
       leaves_.push_back(leaf);
     }
     owned_.resize(leaves_.size() * 512);
-    CancelFlag stop(progress);
     tbb::parallel_for(std::size_t{0}, leaves_.size(), [&](std::size_t slot) {
       if (!stop.isSet()) own(slot, *mesh.tree, components);
     });
@@ -135,11 +132,28 @@ class NearVoxels {
     return owned.component == kNone ? nullptr : &owned;
   }
 
+  // Whether a voxel has one of another component beside it, along an axis.
+  [[nodiscard]] bool isInConflict(std::size_t voxel, int axis, std::uint32_t own) const {
+    for (const int step : {-1, 1}) {
+      const std::optional<std::size_t> next = beside(voxel, axis, step);
+      const Owned* const other = next ? ownedAt(*next) : nullptr;
+      if (other != nullptr && other->component != own) return true;
+    }
+    return false;
+  }
+
+  // Whether the two voxels behind one are of the same component, and in no conflict along
+  // the axis.
   [[nodiscard]] bool isThick(std::size_t voxel, int axis, int step, std::uint32_t own) const {
-    const std::optional<std::size_t> behind = beside(voxel, axis, step);
-    if (!behind || !blocks_.isInside(*behind)) return false;
-    const Owned* const owned = ownedAt(*behind);
-    return owned == nullptr || owned->component == own;
+    for (int depth = 1; depth <= 2; ++depth) {
+      const std::optional<std::size_t> behind = beside(voxel, axis, step);
+      if (!behind || !blocks_.isInside(*behind)) return false;
+      const Owned* const owned = ownedAt(*behind);
+      if (owned != nullptr && (owned->component != own || isInConflict(*behind, axis, own)))
+        return false;
+      voxel = *behind;
+    }
+    return true;
   }
 
   void addConflicts(std::size_t slot, std::vector<Conflict>& found) const {
@@ -248,27 +262,73 @@ void joinCavities(const Components& components, UnionFind& bodies) {
   }
 }
 
-// Returns [components] the body of each, where bodies in conflict that meet are one.
-std::vector<std::uint32_t> bodiesOf(const Components& components,
+// Returns the triangles near voxels in conflict, 0 or 1.
+std::vector<std::uint8_t> nearConflicts(const LeafBlocks& blocks, const SearchedMesh& mesh,
+                                        const std::vector<Conflict>& conflicts) {
+  std::vector<std::uint8_t> near(mesh.mesh.triangles.size(), 0);
+  for (const Conflict& conflict : conflicts) {
+    const openvdb::Coord a = blocks.voxelAt(conflict.voxel[0]),
+                         b = blocks.voxelAt(conflict.voxel[1]);
+    const Box box{{a.x(), a.y(), a.z()}, {b.x(), b.y(), b.z()}};
+    for (const std::uint32_t t : mesh.tree->meeting(widened(box, kReach))) {
+      near[mesh.tree->source(t)] = 1;
+    }
+  }
+  return near;
+}
+
+// Whether one of two bodies that do not cross lies within the other's solid.
+class Nesting {
+ public:
+  Nesting(const Components& components, const std::vector<std::uint32_t>& body)
+      : parts_(components.count()), components_(components), trees_(components.count()) {
+    for (std::uint32_t c = 0; c < body.size(); ++c) parts_[body[c]].push_back(c);
+  }
+
+  bool areNested(std::uint32_t a, std::uint32_t b) { return isWithin(a, b) || isWithin(b, a); }
+
+ private:
+  bool isWithin(std::uint32_t inner, std::uint32_t outer) {
+    std::optional<TriangleTree>& tree = trees_[outer];
+    if (!tree) tree.emplace(components_.joined(parts_[outer]));
+    const glm::dvec3 p = components_.point(inner);
+    const Box box = tree->box();
+    return glm::clamp(p, box.min, box.max) == p && tree->winding(p) >= 0.5;
+  }
+
+  std::vector<std::vector<std::uint32_t>> parts_;  // of bodies, by their name
+  const Components& components_;
+  std::vector<std::optional<TriangleTree>> trees_;  // [bodies] made when needed
+};
+
+// Returns [components] the body of each, where bodies that cross, touch or are nested near voxels
+// in conflict are one.
+std::vector<std::uint32_t> bodiesOf(const LeafBlocks& blocks, const SearchedMesh& mesh,
+                                    std::span<const glm::dvec3> vertices,
+                                    const MeshComponents& components,
                                     const std::vector<Conflict>& conflicts,
                                     const Progress* progress) {
-  UnionFind joined(components.count());
-  joinCavities(components, joined);
+  const Components parts(vertices, mesh.mesh, components);
+  UnionFind joined(components.count);
+  joinCavities(parts, joined);
   const std::vector<std::uint32_t> alone = UnionFind(joined).all();
-  std::vector<std::vector<std::uint32_t>> parts(components.count());  // of bodies, by their name
-  for (std::uint32_t c = 0; c < alone.size(); ++c) parts[alone[c]].push_back(c);
+  std::vector<std::uint32_t> bodyOfTriangle;
+  for (const std::uint32_t c : components.ofTriangle) bodyOfTriangle.push_back(alone[c]);
+  for (const auto& [s, t] :
+       selfCrossings(vertices, mesh.mesh.triangles, progress,
+                     {.of = nearConflicts(blocks, mesh, conflicts), .source = bodyOfTriangle})) {
+    joined.unite(bodyOfTriangle[s], bodyOfTriangle[t]);
+  }
   std::vector<Pair> pairs;
   for (const Conflict& conflict : conflicts) {
     pairs.push_back(std::minmax(alone[conflict.component[0]], alone[conflict.component[1]]));
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  Nesting nesting(parts, alone);
   for (const auto& [a, b] : pairs) {
     throwIfCancelled(progress);
-    if (joined.find(a) == joined.find(b)) continue;
-    std::vector<std::uint32_t> both = parts[a];
-    both.insert(both.end(), parts[b].begin(), parts[b].end());
-    if (componentsMeet(components.joined(both), progress)) joined.unite(a, b);
+    if (joined.find(a) != joined.find(b) && nesting.areNested(a, b)) joined.unite(a, b);
   }
   return std::move(joined).all();
 }
@@ -281,25 +341,34 @@ std::size_t takenOf(const Conflict& conflict) {
 
 }  // namespace
 
-std::vector<std::size_t> bodyGapsOf(const LeafBlocks& blocks, const SearchedMesh& mesh,
-                                    std::span<const glm::dvec3> vertices,
-                                    const Progress* progress) {
+BodyGaps bodyGapsOf(const LeafBlocks& blocks, const SearchedMesh& mesh,
+                    std::span<const glm::dvec3> vertices, const Progress* progress) {
   const MeshComponents components = meshComponents(mesh.mesh);
   if (components.count < 2) return {};
   const std::vector<Conflict> conflicts =
       NearVoxels(blocks, mesh, components, progress).conflicts();
   if (conflicts.empty()) return {};
   const std::vector<std::uint32_t> body =
-      bodiesOf(Components(vertices, mesh.mesh, components), conflicts, progress);
-  std::vector<std::size_t> taken;
+      bodiesOf(blocks, mesh, vertices, components, conflicts, progress);
+  std::map<Pair, std::vector<const Conflict*>> between;
   for (const Conflict& conflict : conflicts) {
-    if (body[conflict.component[0]] != body[conflict.component[1]]) {
-      taken.push_back(takenOf(conflict));
-    }
+    const Pair pair = std::minmax(body[conflict.component[0]], body[conflict.component[1]]);
+    if (pair.first != pair.second) between[pair].push_back(&conflict);
   }
-  std::sort(taken.begin(), taken.end());
-  taken.erase(std::unique(taken.begin(), taken.end()), taken.end());
-  return taken;
+  BodyGaps gaps;
+  for (const auto& [pair, own] : between) {
+    const auto thin = std::count_if(own.begin(), own.end(), [](const Conflict* conflict) {
+      return !conflict->isThick[0] && !conflict->isThick[1];
+    });
+    if (static_cast<double>(thin) > kMostThin * static_cast<double>(own.size())) {
+      ++gaps.joined;
+      continue;
+    }
+    for (const Conflict* conflict : own) gaps.voxels.push_back(takenOf(*conflict));
+  }
+  std::sort(gaps.voxels.begin(), gaps.voxels.end());
+  gaps.voxels.erase(std::unique(gaps.voxels.begin(), gaps.voxels.end()), gaps.voxels.end());
+  return gaps;
 }
 
 }  // namespace sherd

@@ -112,9 +112,10 @@ void fill(Solid& solid, const Filling& filling, const MeshInGrid& in, const Tria
   const std::vector<std::size_t> bridges = bridgesOf(blocks, filling, progress);
   addVoxels(*distance, blocks, bridges);
   if (filling.fill == Fill::winding && report.defects.closed()) {
-    const std::vector<std::size_t> gaps = bodyGapsOf(blocks, in.clean, source.vertices, progress);
-    takeVoxels(*distance, blocks, gaps);
-    report.gaps = gaps.size();
+    const BodyGaps gaps = bodyGapsOf(blocks, in.clean, source.vertices, progress);
+    takeVoxels(*distance, blocks, gaps.voxels);
+    report.gaps = gaps.voxels.size();
+    report.joinedBodies = gaps.joined;
   }
   solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   report.bridges = bridges.size();

@@ -163,6 +163,25 @@ TEST(BodyGaps, AreNotMadeInWallsAroundCavities) {
               60.0);
 }
 
+// They would vanish, or fall apart.
+TEST(BodyGaps, AreNotMadeInThinBodies) {
+  TriangleMesh cards, plates;
+  for (int i = 0; i < 10; ++i) {
+    cards = shapes::append(
+        cards, shapes::transformed(shapes::box({32.0, 32.0, 0.95}), 1.0, {0.0, 0.0, 1.0 * i}));
+  }
+  for (const double z : {0.0, 1.3}) {
+    plates =
+        shapes::append(plates, shapes::transformed(shapes::box({40.0, 40.0, 1.2}), 1.0, {0, 0, z}));
+  }
+  for (const TriangleMesh& mesh : {cards, turned(plates)}) {
+    const Solid solid = voxelize(mesh, {.voxelSize = 1.0});
+    EXPECT_EQ(solid.report.gaps, 0u);
+    EXPECT_GT(solid.report.joinedBodies, 0u);
+    EXPECT_EQ(componentsOf(solid), 1);
+  }
+}
+
 // One of two plates, each a voxel thick, would vanish otherwise.
 TEST(BodyGaps, LeaveThinBodiesBesideThickOnes) {
   const TriangleMesh mesh =
