@@ -101,6 +101,11 @@ struct LeafBlocks {
   std::vector<std::uint64_t> exteriorBand{};  ///< [n*8] active voxels with distance >= 0
   std::vector<std::uint32_t> neighbors{};     ///< [n*6] leaf at -x +x -y +y -z +z, or kNone
 
+  /// Inside voxels of bodies that come nearer than a voxel to others: [layers - 1][n*8], those of
+  /// layer 1 and on; all other inside voxels are of layer 0.  Voxels of different layers are not
+  /// connected, even side by side.
+  std::vector<std::vector<std::uint64_t>> layers{};
+
   std::size_t count() const { return origins.size(); }
 
   std::uint64_t insideVoxels() const {
@@ -110,6 +115,14 @@ struct LeafBlocks {
   }
 
   bool isInside(std::size_t voxel) const { return (inside[voxel / 64] >> (voxel % 64)) & 1; }
+
+  /// Layer of an inside voxel, see `layers`.
+  std::size_t layerOf(std::size_t voxel) const {
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      if (layers[i][voxel / 64] >> (voxel % 64) & 1) return i + 1;
+    }
+    return 0;
+  }
 
   /// Position of a voxel in the grid, from its index.
   openvdb::Coord voxelAt(std::size_t voxel) const {
@@ -199,8 +212,7 @@ struct SolidReport {
   WallThickness walls{};
   ResolutionChoice resolution{};
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner
-  std::uint64_t gaps = 0;     ///< voxels taken away between bodies closer than a voxel
-  std::uint64_t joinedBodies = 0;  ///< pairs of such bodies that are too thin to lose voxels
+  std::uint64_t nearBodies = 0;  ///< bodies nearer than a voxel to others, which stay apart
 };
 
 class Seams;
@@ -210,7 +222,9 @@ class SolidRegion;
 struct SolidMesh {
   TriangleMesh mesh;  ///< world units, with the vertices of the input, without attributes; oriented
                       ///< outwards where that is possible
-  std::vector<std::uint32_t> source;  ///< [triangles] index in the input
+  std::vector<std::uint32_t> source;   ///< [triangles] index in the input
+  std::vector<std::uint16_t> layer{};  ///< [triangles] of their bodies, see LeafBlocks::layers;
+                                       ///< empty: all in layer 0
 };
 
 /// The mesh that Surface::exact has where bodies of the input overlap, touch or cross themselves:
@@ -275,8 +289,10 @@ struct Solid {
 /// Returns the number of voxels of a size along the mesh's longest side, rounded up.
 [[nodiscard]] int resolutionFor(const TriangleMesh& mesh, double voxelSize);
 
+struct ApartLeaves;
+
 /// The 6-connected components of the inside, numbered 0..count()-1 by their first voxel in leaf
-/// order.
+/// order.  Voxels of different LeafBlocks::layers are not connected.
 class VoxelComponents {
  public:
   std::size_t count() const { return voxels_.size(); }
@@ -296,6 +312,10 @@ class VoxelComponents {
 
  private:
   friend VoxelComponents findComponents(const LeafBlocks& blocks, Device& device);
+  friend VoxelComponents joinedComponents(const VoxelComponents& found, const ApartLeaves& apart,
+                                          const LeafBlocks& blocks);
+  friend VoxelComponents apartComponents(const VoxelComponents& components,
+                                         const ApartLeaves& apart);
   static constexpr std::uint32_t kOneNode = 0xffffffffu;
 
   // A node is a 6-connected component within one leaf.

@@ -15,8 +15,10 @@ std::uint64_t bytesOf(const std::vector<Value>& values) {
 }
 
 std::uint64_t bytesOf(const sherd::LeafBlocks& blocks) {
-  return bytesOf(blocks.origins) + bytesOf(blocks.inside) + bytesOf(blocks.exteriorBand) +
-         bytesOf(blocks.neighbors);
+  std::uint64_t bytes = bytesOf(blocks.origins) + bytesOf(blocks.inside) +
+                        bytesOf(blocks.exteriorBand) + bytesOf(blocks.neighbors);
+  for (const std::vector<std::uint64_t>& layer : blocks.layers) bytes += bytesOf(layer);
+  return bytes;
 }
 
 std::uint64_t bytesOf(const sherd::TriangleMesh& mesh) {

@@ -184,8 +184,9 @@ class Eroder {
       if (solidNeighbors_.empty()) continue;
       const std::uint32_t leaf = solidNeighbors_[fragment.leaf[i]][k];
       for (std::size_t x = 0; x < 8; ++x) {
-        filled[k][x] |= leaf == LeafBlocks::kNone ? ~std::uint64_t{0}
-                                                  : ~blocks_.inside[std::size_t{leaf} * 8 + x];
+        filled[k][x] |= leaf == LeafBlocks::kNone
+                            ? ~std::uint64_t{0}
+                            : ~insideOfLayer(blocks_, fragment.layer, std::size_t{leaf} * 8 + x);
       }
     }
     return filled;

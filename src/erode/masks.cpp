@@ -48,6 +48,12 @@ void checkLabel(std::uint16_t label, int fragments) {
                                     "; expected 0 to " + std::to_string(fragments));
 }
 
+std::size_t layerOf(const LeafBlocks& blocks, std::size_t leaf, const LeafMask& mask) {
+  std::size_t x = 0;
+  while (mask[x] == 0) ++x;
+  return blocks.layerOf(leaf * 512 + x * 64 + static_cast<std::size_t>(std::countr_zero(mask[x])));
+}
+
 }  // namespace
 
 std::vector<FragmentMasks> fragmentMasks(const Labels& labels) {
@@ -66,6 +72,7 @@ std::vector<FragmentMasks> fragmentMasks(const Labels& labels) {
       checkLabel(group.label, labels.fragmentCount);
       if (group.label == 0 || group.label == Labels::kEroded) continue;
       FragmentMasks& fragment = all[group.label - std::size_t{1}];
+      if (fragment.leaf.empty()) fragment.layer = layerOf(blocks, leaf, group.mask);
       fragment.leaf.push_back(static_cast<std::uint32_t>(leaf));
       fragment.origins.push_back(blocks.origins[leaf]);
       fragment.masks.push_back(group.mask);

@@ -29,6 +29,7 @@ struct FragmentMasks {
   std::vector<openvdb::Coord> origins;   ///< [n]
   std::vector<LeafMask> masks;           ///< [n]
   std::vector<LeafNeighbors> neighbors;  ///< [n] indices into these arrays
+  std::size_t layer = 0;                 ///< see LeafBlocks::layers
 };
 
 /// Returns the inside voxels of each fragment: [fragmentCount], index i for fragment i + 1.

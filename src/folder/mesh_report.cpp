@@ -99,7 +99,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
   }
   json["solid_volume"] = solidVolume(result);
   json["bridges"] = report.bridges;
-  json["gaps"] = report.gaps;
+  json["near_bodies"] = report.nearBodies;
   json["resolution"] = {{"used", report.resolution.resolution},
                         {"automatic", report.resolution.automatic},
                         {"for_walls", report.walls.forWalls},
@@ -143,8 +143,9 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
     done += "; " + counted(defects.flippedComponents, "inside-out component") + " flipped";
   }
 
-  if (report.gaps > 0) {
-    done += "; " + counted(report.gaps, "voxel") + " taken away between bodies closer than a voxel";
+  if (report.nearBodies > 0) {
+    done += "; " + std::to_string(report.nearBodies) +
+            " bodies closer than a voxel to others kept apart";
   }
 
   std::string volumes = "volume " + text(solidVolume(result));
@@ -170,12 +171,6 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   }
   if (std::string united = unitedText(result.united); !united.empty()) {
     warnings.push_back(titleOf(source) + ": " + std::move(united));
-  }
-  if (report.joinedBodies > 0) {
-    warnings.push_back(titleOf(source) + ": " + counted(report.joinedBodies, "pair") +
-                       " of bodies closer than a voxel and thinner than some three stay joined, so "
-                       "that fragments may reach from one into the other; a higher resolution "
-                       "keeps them apart");
   }
   if (report.tookTooLong) {
     warnings.push_back(titleOf(source) + ": the mesh is a shell, since " + report.fillReason +

@@ -4,21 +4,9 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "voxelize/leaf_blocks.h"
+
 namespace sherd {
-namespace {
-
-// The voxel behind a face in positive x, y or z, or none.
-constexpr std::size_t kNoVoxel = ~std::size_t{0};
-
-std::size_t voxelBehind(const LeafBlocks& blocks, std::size_t voxel, std::size_t axis) {
-  static constexpr std::size_t kStep[] = {64, 8, 1};
-  const std::size_t step = kStep[axis];
-  if (voxel / step % 8 != 7) return voxel + step;
-  const std::uint32_t leaf = blocks.neighbors[voxel / 512 * 6 + 2 * axis + 1];
-  return leaf == LeafBlocks::kNone ? kNoVoxel : std::size_t{leaf} * 512 + voxel % 512 - 7 * step;
-}
-
-}  // namespace
 
 std::vector<CrackArea> crackAreas(const Labels& labels) {
   const LeafBlocks& blocks = *labels.blocks;
@@ -30,6 +18,7 @@ std::vector<CrackArea> crackAreas(const Labels& labels) {
       if (behind == kNoVoxel || !blocks.isInside(behind)) continue;
       const std::uint16_t other = labels.fragment[behind];
       if (other == own || other == 0 || own == 0) continue;
+      if (!blocks.layers.empty() && blocks.layerOf(voxel) != blocks.layerOf(behind)) continue;
       pairs.push_back(std::uint32_t{std::min(own, other)} << 16 | std::max(own, other));
     }
   });

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "base/formatted.h"
+#include "grow/apart_leaves.h"
 #include "grow/check_labels.h"
 #include "grow/components.h"
 #include "grow/flood.h"
@@ -16,6 +18,7 @@
 #include "grow/seed_kernel.h"
 #include "grow/sequential.h"
 #include "grow/settle.h"
+#include "grow/solid_components.h"
 #include "grow/split.h"
 #include "voxelize/leaf_blocks.h"
 
@@ -86,11 +89,33 @@ Metric metricOf(const GrowOptions& options) {
   return ruleOf(options.growth).usesMetric ? options.metric : Metric::euclidean;
 }
 
+// The leaves that growth runs over: those of a solid, or, of several layers, those taken apart.
+class GrowthLeaves {
+ public:
+  explicit GrowthLeaves(const LeafBlocks& blocks) : solid_(blocks) {
+    if (!blocks.layers.empty()) apart_ = apartLeaves(blocks);
+  }
+
+  [[nodiscard]] const ApartLeaves* apart() const { return apart_ ? &*apart_ : nullptr; }
+  [[nodiscard]] const LeafBlocks& blocks() const { return apart_ ? *apart_->blocks : solid_; }
+
+  // Layers have the exterior band in common: labels are extended into it afterwards.
+  [[nodiscard]] GrowOptions within(GrowOptions options) const {
+    if (apart_) options.outerSteps = 0;
+    return options;
+  }
+
+ private:
+  const LeafBlocks& solid_;
+  std::optional<ApartLeaves> apart_{};
+};
+
 // State of the growth of one batch of fractures.
 struct Growing {
   GrowthState& state;
   const SeedTable& seeds;
   const GrowOptions& options;
+  const LeafBlocks& solidBlocks;  // of all layers
   const Progress* progress;
   std::span<const std::shared_ptr<const WallMiddles>> walls{};  // [fractures], of seeds' kernels
   DeviceLabels labels{};
@@ -128,7 +153,7 @@ struct Growing {
     std::vector<std::uint64_t> noise = options.noiseSeeds;
     noise.resize(state.fractures);
     labels = labelsPerVoxel(state, roughened(state, labels, seeds, noise,
-                                             noiseOctaves(reliefOf(options, state.blocks))));
+                                             noiseOctaves(reliefOf(options, solidBlocks))));
   }
 
   // Records the number of voxels that `kept` leaves out.
@@ -161,6 +186,7 @@ void clearOutside(const LeafBlocks& blocks, std::vector<std::uint32_t>& cost) {
   }
 }
 
+// Returns the labels of the solid's blocks.
 std::vector<Labels> readLabels(const Growing& growing, Flood& last) {
   std::vector<Labels> all(growing.state.fractures);
   const std::uint32_t leaves = growing.state.leafCount;
@@ -173,6 +199,14 @@ std::vector<Labels> readLabels(const Growing& growing, Flood& last) {
       clearOutside(growing.state.blocks, all[f].cost);
     }
     if (!growing.disconnected.empty()) all[f].disconnected = growing.disconnected[f];
+    if (const ApartLeaves* const apart = growing.state.apart; apart != nullptr) {
+      const std::size_t leavesOfSolid = growing.solidBlocks.count();
+      all[f].fragment =
+          apart->joined(std::span<const std::uint16_t>(all[f].fragment), leavesOfSolid);
+      if (growing.options.keepCost) {
+        all[f].cost = apart->joined(std::span<const std::uint32_t>(all[f].cost), leavesOfSolid);
+      }
+    }
   }
   return all;
 }
@@ -270,16 +304,45 @@ std::size_t fracturesAtOnce(const LeafBlocks& blocks, const Device& device, bool
   return std::max<std::size_t>(leaves / std::max<std::size_t>(blocks.count(), 1), 1);
 }
 
+// Splits pieces of the state's blocks.
+//   components, runs  of the solid
+SplitGrowth grownBySplits(GrowthState& state, const VoxelComponents& components,
+                          std::span<const SplitRun> runs, const GrowOptions& options,
+                          const Progress* progress) {
+  if (state.apart == nullptr) return splitPieces(state, components, runs, options, progress);
+  const ApartLeaves& apart = *state.apart;
+  std::vector<std::vector<glm::dmat3>> walls;
+  std::vector<std::vector<double>> densities;
+  std::vector<SplitRun> own(runs.begin(), runs.end());
+  GuideSides guides;
+  if (runs.front().guides != nullptr) guides = *runs.front().guides;
+  for (std::vector<std::uint64_t>& positive : guides.positive) {
+    positive = apart.gathered(std::span<const std::uint64_t>(positive), 8);
+  }
+  for (SplitRun& run : own) {
+    walls.push_back(run.walls.empty() ? std::vector<glm::dmat3>() : apart.gathered(run.walls));
+    densities.push_back(run.densities.empty() ? std::vector<double>()
+                                              : apart.gathered(run.densities));
+    run.walls = walls.back();
+    run.densities = densities.back();
+    if (run.guides != nullptr) run.guides = &guides;
+  }
+  return splitPieces(state, apartComponents(components, apart), own, options, progress);
+}
+
 std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& blocks,
                                      const VoxelComponents& components,
                                      std::span<const SplitRun> runs, Device& device,
                                      const GrowOptions& options, const Progress* progress) {
-  GrowthState state(*blocks, runs.size(), implOf(device), options.tuning.workGroupSize);
-  SplitGrowth grown = splitPieces(state, components, runs, options, progress);
+  const GrowthLeaves leaves(*blocks);
+  const GrowOptions own = leaves.within(options);
+  GrowthState state(leaves.blocks(), runs.size(), implOf(device), options.tuning.workGroupSize,
+                    leaves.apart());
+  SplitGrowth grown = grownBySplits(state, components, runs, own, progress);
   std::vector<std::vector<Seed>> seedSets;
   for (const SplitPieces& each : grown.fractures) seedSets.push_back(each.seeds);
-  const SeedTable table = tableOf(*blocks, seedSets);
-  Growing growing{state, table, options, progress};
+  const SeedTable table = tableOf(state.blocks, seedSets, state.firstOfLayer());
+  Growing growing{state, table, own, *blocks, progress};
   growing.labels = grown.labels;
   Flood last = roughAndExtended(growing, allInside(state));
   std::vector<Labels> labels = readLabels(growing, last);
@@ -287,6 +350,9 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
   for (std::size_t f = 0; f < labels.size(); ++f) {
     labels[f].blocks = blocks;
     labels[f].fragmentCount = static_cast<int>(seedSets[f].size());
+    if (leaves.apart() != nullptr) {
+      labels[f] = extendLabels(std::move(labels[f]), device, options.outerSteps);
+    }
     labels[f].splits = std::move(grown.fractures[f].splits);
     std::vector<std::size_t> guided;
     for (const Split& split : labels[f].splits) {
@@ -320,14 +386,20 @@ std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
       settledSets[f] = settled(settledSets[f], metricOf(options), options.anisotropy, walls[f]);
     }
   }
-  const SeedTable table = tableOf(*blocks, settledSets);
-  GrowthState state(*blocks, seedSets.size(), implOf(device), options.tuning.workGroupSize);
-  Growing growing{state, table, options, progress, walls};
+  const GrowthLeaves leaves(*blocks);
+  const GrowOptions own = leaves.within(options);
+  GrowthState state(leaves.blocks(), seedSets.size(), implOf(device), options.tuning.workGroupSize,
+                    leaves.apart());
+  const SeedTable table = tableOf(state.blocks, settledSets, state.firstOfLayer());
+  Growing growing{state, table, own, *blocks, progress, walls};
   Flood last = growAll(growing);
   std::vector<Labels> all = readLabels(growing, last);
   for (std::size_t f = 0; f < all.size(); ++f) {
     all[f].blocks = blocks;
     all[f].fragmentCount = fragmentsOf(seedSets[f]);
+    if (leaves.apart() != nullptr) {
+      all[f] = extendLabels(std::move(all[f]), device, options.outerSteps);
+    }
     if (!givesCells(options) || !options.roughness.isZero()) continue;
     all[f].sites = {std::move(settledSets[f]), options.anisotropy};
     all[f].walls = walls[f];

@@ -7,8 +7,6 @@
 #include <set>
 #include <string>
 
-#include "voxelize/leaf_blocks.h"
-
 namespace sherd {
 namespace {
 
@@ -24,9 +22,10 @@ std::uint32_t itemsOf(const LeafBlocks& blocks, std::size_t fractures) {
 }  // namespace
 
 GrowthState::GrowthState(const LeafBlocks& b, std::size_t fractureCount, DeviceImpl& d,
-                         int workGroupSize)
+                         int workGroupSize, const ApartLeaves* apartOf)
     : device(d),
       blocks(b),
+      apart(apartOf),
       leafCount(static_cast<std::uint32_t>(b.count())),
       fractures(static_cast<std::uint32_t>(fractureCount)),
       items(itemsOf(b, fractureCount)),
@@ -57,7 +56,8 @@ openvdb::Coord GrowthState::lowest() const {
 
 const DeviceBuffer& GrowthState::neighbors27() {
   if (!neighbors27_) {
-    neighbors27_ = uploadBuffer<LeafNeighbors>(device, leafNeighbors(blocks.origins));
+    neighbors27_ =
+        uploadBuffer<LeafNeighbors>(device, leafNeighbors(blocks.origins, firstOfLayer()));
   }
   return *neighbors27_;
 }
@@ -73,7 +73,8 @@ DeviceLabels labelsPerVoxel(GrowthState& state, const DeviceBuffer& owner) {
           makeBuffer<std::uint64_t>(state.device, 3 * state.words())};
 }
 
-SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets) {
+SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> seedSets,
+                  std::span<const std::uint32_t> firstOfLayer) {
   struct Entry {
     std::uint16_t label;
     bool primary;
@@ -84,15 +85,14 @@ SeedTable tableOf(const LeafBlocks& blocks, std::span<const std::vector<Seed>> s
   for (std::size_t f = 0; f < seedSets.size(); ++f) {
     std::set<std::uint16_t> seen;
     for (const Seed& seed : seedSets[f]) {
-      const std::uint32_t leaf = findLeaf(blocks, seed.voxel);
-      const std::uint32_t offset = offsetFromCoord(seed.voxel);
-      if (leaf == LeafBlocks::kNone || !blocks.isInside(std::size_t{leaf} * 512 + offset) ||
-          seed.fragment == 0) {
+      const std::size_t voxel = findInside(blocks, firstOfLayer, seed.voxel);
+      if (voxel == kNoVoxel || seed.fragment == 0) {
         throw Error(ErrorCode::usage, "seed of fragment " + std::to_string(seed.fragment) +
                                           " does not lie on a voxel of the solid");
       }
       const Entry entry{seed.fragment, seen.insert(seed.fragment).second, seed.shift, seed.weight};
-      const auto [at, added] = sorted.try_emplace({f * blocks.count() + leaf, offset}, entry);
+      const auto [at, added] = sorted.try_emplace(
+          {f * blocks.count() + voxel / 512, static_cast<std::uint32_t>(voxel % 512)}, entry);
       if (!added && entry.label < at->second.label) at->second = entry;
     }
   }

@@ -9,6 +9,7 @@
 
 #include "cl/device_impl.h"
 #include "cl/int4.h"
+#include "grow/apart_leaves.h"
 #include "leaf_block.h"
 
 namespace sherd {
@@ -17,11 +18,13 @@ namespace sherd {
 class GrowthState {
  public:
   ///   throws  Error(usage) more than 2^32 - 2 items
+  ///   apart   null, or what the blocks are those of: layers apart; kept by reference
   GrowthState(const LeafBlocks& blocks, std::size_t fractures, DeviceImpl& device,
-              int workGroupSize = 0);
+              int workGroupSize = 0, const ApartLeaves* apart = nullptr);
 
   DeviceImpl& device;
   const LeafBlocks& blocks;
+  const ApartLeaves* apart;  ///< null: one layer
   const std::uint32_t leafCount, fractures, items;
   const DeviceBuffer inside;    ///< [leafCount*8]
   const DeviceBuffer neighbor;  ///< [leafCount*6]
@@ -30,6 +33,12 @@ class GrowthState {
 
   /// Returns the lowest coordinates of all leaves.
   openvdb::Coord lowest() const;
+
+  /// Returns ApartLeaves::firstOfLayer, empty for one layer.
+  std::span<const std::uint32_t> firstOfLayer() const {
+    return apart != nullptr ? std::span<const std::uint32_t>(apart->firstOfLayer)
+                            : std::span<const std::uint32_t>();
+  }
 
   /// Uploads [leafCount] int4: origins as seen from a voxel.
   DeviceBuffer uploadOrigins(const openvdb::Coord& from) const;
@@ -101,8 +110,10 @@ struct PrimarySeeds {
 [[nodiscard]] openvdb::Coord seedVoxel(const GrowthState& state, const SeedTable& seeds,
                                        std::size_t i);
 
-///   throws  Error(usage) a seed outside the solid, or of fragment 0
+///   firstOfLayer  see ApartLeaves
+///   throws        Error(usage) a seed outside the solid, or of fragment 0
 [[nodiscard]] SeedTable tableOf(const LeafBlocks& blocks,
-                                std::span<const std::vector<Seed>> seedSets);
+                                std::span<const std::vector<Seed>> seedSets,
+                                std::span<const std::uint32_t> firstOfLayer = {});
 
 }  // namespace sherd

@@ -100,8 +100,9 @@ void runByWeight(GrowthState& state, Levels& levels, const Steps& steps, const P
 
 // Returns the leaves with an inside voxel outside `kept` in any fracture, and the leaves around
 // them: no other voxel makes or takes an offer.
-std::vector<std::uint32_t> leavesToRegrow(const LeafBlocks& blocks,
+std::vector<std::uint32_t> leavesToRegrow(const GrowthState& state,
                                           std::span<const std::uint64_t> kept) {
+  const LeafBlocks& blocks = state.blocks;
   std::vector<bool> regrows(blocks.count()), reached(blocks.count());
   for (std::size_t word = 0; word < kept.size(); ++word) {
     const std::size_t leafWord = word % blocks.inside.size();
@@ -111,7 +112,7 @@ std::vector<std::uint32_t> leavesToRegrow(const LeafBlocks& blocks,
     if (!regrows[leaf]) continue;
     for (int k = 0; k < 27; ++k) {
       const openvdb::Coord offset(8 * (k / 9 - 1), 8 * (k / 3 % 3 - 1), 8 * (k % 3 - 1));
-      const std::uint32_t around = findLeaf(blocks, blocks.origins[leaf] + offset);
+      const std::uint32_t around = findBeside(blocks, state.firstOfLayer(), leaf, offset);
       if (around != LeafBlocks::kNone) reached[around] = true;
     }
   }
@@ -120,19 +121,6 @@ std::vector<std::uint32_t> leavesToRegrow(const LeafBlocks& blocks,
     if (reached[leaf]) leaves.push_back(static_cast<std::uint32_t>(leaf));
   }
   return leaves;
-}
-
-// Returns the inside of some leaves.
-LeafBlocks insideOf(const LeafBlocks& blocks, std::span<const std::uint32_t> leaves) {
-  LeafBlocks some;
-  for (const std::size_t leaf : leaves) {
-    const auto word = blocks.inside.begin() + static_cast<std::ptrdiff_t>(leaf * SHERD_LEAF_WORDS);
-    some.origins.push_back(blocks.origins[leaf]);
-    some.inside.insert(some.inside.end(), word, word + SHERD_LEAF_WORDS);
-  }
-  some.exteriorBand.resize(some.inside.size());
-  some.neighbors = leafNeighborTable(some.origins);
-  return some;
 }
 
 }  // namespace
@@ -171,8 +159,8 @@ Grown growChain(GrowthState& state, const SeedTable& seeds, const sherd_metric& 
 void regrowByWeight(GrowthState& state, const DeviceLabels& labels, const DeviceBuffer& kept,
                     const Steps& steps, const Progress* progress) {
   const auto keptWords = downloaded<std::uint64_t>(state.device, kept, state.words());
-  const std::vector<std::uint32_t> leaves = leavesToRegrow(state.blocks, keptWords);
-  const LeafBlocks blocks = insideOf(state.blocks, leaves);
+  const std::vector<std::uint32_t> leaves = leavesToRegrow(state, keptWords);
+  const ApartLeaves some = insideOf(state.blocks, state.firstOfLayer(), leaves);
   std::vector<std::uint32_t> itemOf;  // [items of `part`]
   std::vector<std::uint64_t> partKept;
   for (std::uint32_t fracture = 0; fracture < state.fractures; ++fracture) {
@@ -183,7 +171,7 @@ void regrowByWeight(GrowthState& state, const DeviceLabels& labels, const Device
     }
   }
 
-  GrowthState part(blocks, state.fractures, state.device, state.workGroupSize());
+  GrowthState part(*some.blocks, state.fractures, state.device, state.workGroupSize(), &some);
   const DeviceBuffer items = uploadBuffer<std::uint32_t>(state.device, itemOf);
   const DeviceBuffer partLabels = makeBuffer<std::uint16_t>(state.device, part.voxels());
   const DeviceBuffer keptOfPart = uploadBuffer<std::uint64_t>(state.device, partKept);

@@ -4,9 +4,12 @@
 #include <sherd/error.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "voxelize/distance.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 
@@ -29,7 +32,9 @@ Solid dropSmallComponents(Solid solid, VoxelComponents& components, Device& devi
   solid.distance = withoutVoxels(*solid.distance, *solid.blocks, [&](std::size_t voxelIndex) {
     return isSmallComponent(components.at(voxelIndex));
   });
-  solid.blocks = std::make_shared<const LeafBlocks>(leafBlocks(*solid.distance));
+  LeafBlocks blocks = leafBlocks(*solid.distance);
+  blocks.layers = layersOf(blocks, *solid.blocks);
+  solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   measureVoxels(solid);
   components = findComponents(*solid.blocks, device);
   return solid;

@@ -3,10 +3,12 @@
 
 #include <sherd/seeds.h>
 
+#include <algorithm>
 #include <bit>
 #include <tuple>
 #include <utility>
 
+#include "grow/apart_leaves.h"
 #include "grow/components.h"
 
 namespace sherd {
@@ -65,6 +67,10 @@ std::vector<std::uint16_t> localNodes(GrowthState& state, const NodeComponents& 
 }  // namespace
 
 VoxelComponents findComponents(const LeafBlocks& blocks, Device& device) {
+  if (!blocks.layers.empty()) {
+    const ApartLeaves apart = apartLeaves(blocks);
+    return joinedComponents(findComponents(*apart.blocks, device), apart, blocks);
+  }
   DeviceImpl& impl = implOf(device);
   GrowthState state(blocks, 1, impl);
   NodeComponents found = findNodeComponents(state);
@@ -79,6 +85,49 @@ VoxelComponents findComponents(const LeafBlocks& blocks, Device& device) {
       componentsOfNodes(downloaded<std::uint32_t>(impl, found.root, found.nodes));
   components.voxels_ = voxelsOf(components, count, blocks, found.nodesOfItem);
   return components;
+}
+
+VoxelComponents apartComponents(const VoxelComponents& components, const ApartLeaves& apart) {
+  VoxelComponents own = components;
+  own.firstNode_ = apart.gathered(std::span<const std::uint32_t>(components.firstNode_));
+  own.firstLocal_ = apart.gathered(std::span<const std::uint32_t>(components.firstLocal_));
+  return own;
+}
+
+VoxelComponents joinedComponents(const VoxelComponents& found, const ApartLeaves& apart,
+                                 const LeafBlocks& blocks) {
+  constexpr std::uint32_t kUnknown = 0xffffffffu;
+  std::vector<std::uint32_t> number(found.count(), kUnknown);
+  std::vector<std::uint32_t> component(blocks.count() * 512, kUnknown);
+  apart.blocks->forEachInside([&](std::size_t voxel) {
+    component[std::size_t{apart.source[voxel / 512]} * 512 + voxel % 512] = found.at(voxel);
+  });
+  VoxelComponents joined;
+  joined.voxels_.resize(found.count());
+  std::uint32_t next = 0;
+  for (std::size_t leaf = 0; leaf < blocks.count(); ++leaf) {
+    std::vector<std::uint32_t> nodes;  // the components of the leaf
+    std::vector<std::uint16_t> local(512, 0);
+    for (std::size_t v = 0; v < 512; ++v) {
+      std::uint32_t own = component[leaf * 512 + v];
+      if (own == kUnknown) continue;
+      if (number[own] == kUnknown) {
+        joined.voxels_[next] = found.voxels()[own];
+        number[own] = next++;
+      }
+      own = number[own];
+      auto at = std::find(nodes.begin(), nodes.end(), own);
+      if (at == nodes.end()) at = nodes.insert(at, own);
+      local[v] = static_cast<std::uint16_t>(at - nodes.begin());
+    }
+    joined.firstNode_.push_back(static_cast<std::uint32_t>(joined.componentOfNode_.size()));
+    joined.componentOfNode_.insert(joined.componentOfNode_.end(), nodes.begin(), nodes.end());
+    joined.firstLocal_.push_back(VoxelComponents::kOneNode);
+    if (nodes.size() < 2) continue;
+    joined.firstLocal_.back() = static_cast<std::uint32_t>(joined.localNode_.size() / 512);
+    joined.localNode_.insert(joined.localNode_.end(), local.begin(), local.end());
+  }
+  return joined;
 }
 
 std::vector<std::uint64_t> largestComponents(const Labels& labels, Device& device) {

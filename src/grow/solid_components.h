@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "grow/apart_leaves.h"
+
 namespace sherd {
 
 /// Return the inside voxels in the largest 6-connected component of their label, [leaf*8] words as
@@ -14,5 +16,13 @@ namespace sherd {
 /// without a label are not included.
 ///   throws  Error(device)
 [[nodiscard]] std::vector<std::uint64_t> largestComponents(const Labels& labels, Device& device);
+
+/// Returns the same components, of the voxels of leaves taken apart.
+[[nodiscard]] VoxelComponents apartComponents(const VoxelComponents& components,
+                                              const ApartLeaves& apart);
+
+/// Returns the components of blocks by those of their leaves taken apart.
+[[nodiscard]] VoxelComponents joinedComponents(const VoxelComponents& found,
+                                               const ApartLeaves& apart, const LeafBlocks& blocks);
 
 }  // namespace sherd

@@ -29,9 +29,14 @@ inline WaysOnDevice uploadWays(GrowthState& state,
     if (own) used = own.get();
   }
   const std::array<std::int16_t, 1> none{0};
-  return {uploadBuffer<std::int16_t>(
-              state.device, used != nullptr ? used->ways() : std::span<const std::int16_t>(none)),
-          used != nullptr ? used->reach() : 0, uploadBuffer<std::uint32_t>(state.device, isUsed)};
+  std::span<const std::int16_t> ways = used != nullptr ? used->ways() : none;
+  std::vector<std::int16_t> ofLayers;
+  if (used != nullptr && state.apart != nullptr) {
+    ofLayers = state.apart->gathered(ways, std::size_t{SHERD_LEAF_SIZE} * 3);
+    ways = ofLayers;
+  }
+  return {uploadBuffer<std::int16_t>(state.device, ways), used != nullptr ? used->reach() : 0,
+          uploadBuffer<std::uint32_t>(state.device, isUsed)};
 }
 
 }  // namespace sherd

@@ -17,6 +17,7 @@
 #include "mesh/positions.h"
 #include "surface/exact_meshes.h"
 #include "surface/label_reader.h"
+#include "voxelize/leaf_blocks.h"
 
 namespace sherd {
 namespace {
@@ -76,13 +77,8 @@ std::set<std::pair<std::uint16_t, std::uint16_t>> touchingPairs(const Labels& la
   blocks.forEachInside([&](std::size_t voxel) {
     const std::uint16_t own = labels.fragment[voxel];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t stride = std::size_t{64} >> (3 * axis), at = voxel / stride % 8;
-      std::size_t next = voxel + stride;
-      if (at == 7) {
-        const std::uint32_t leaf = blocks.neighbors[voxel / 512 * 6 + 2 * axis + 1];
-        if (leaf == LeafBlocks::kNone) continue;
-        next = std::size_t{leaf} * 512 + voxel % 512 - 7 * stride;
-      }
+      const std::size_t next = voxelBehind(blocks, voxel, axis);
+      if (next == kNoVoxel) continue;
       const std::uint16_t other = labels.fragment[next];
       if (other != own && blocks.isInside(next)) pairs.insert(std::minmax(own, other));
     }

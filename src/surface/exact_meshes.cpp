@@ -15,6 +15,7 @@
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
 #include "surface/label_reader.h"
+#include "surface/layer.h"
 #include "surface/merge_facets.h"
 #include "voxelize/region.h"
 
@@ -88,11 +89,14 @@ class Bodies {
     if (!all.failure.empty() || !all.isChanged) return std::move(all.failure);
     united_.before = bodiesOf(source_.mesh, progress_).size();
     united_.after = bodiesOf(all.mesh, progress_).size();
-    std::vector<std::uint32_t> source = std::move(all.mesh.source);
-    for (std::uint32_t& triangle : source) triangle = source_.source[triangle];
+    SolidMesh united;
+    for (const std::uint32_t triangle : all.mesh.source) {
+      united.source.push_back(source_.source[triangle]);
+      if (!source_.layer.empty()) united.layer.push_back(source_.layer[triangle]);
+    }
     all.mesh.source.clear();
-    united_.mesh =
-        std::make_shared<const SolidMesh>(SolidMesh{std::move(all.mesh), std::move(source)});
+    united.mesh = std::move(all.mesh);
+    united_.mesh = std::make_shared<const SolidMesh>(std::move(united));
     return {};
   }
 
@@ -106,13 +110,11 @@ class Bodies {
   UnitedBodies united_;
 };
 
-}  // namespace
-
-ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
-                         std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
-  if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
-    return {.failure = std::move(obstacle)};
-  }
+// Cuts the bodies of one layer, or of all.
+//   solid, labels  of the layer
+ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMesh& mesh,
+                      std::function<bool(const glm::dvec3&)> isInside,
+                      std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
   const Cut cut = findCut(labels, neighborhoods, CutExtent::exact, progress);
   const Labels beyond = labelsBeyond(solid, labels, cut, neighborhoods);
   const Complex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
@@ -120,34 +122,73 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   LabelReader reader(*beyond.blocks, beyond);
   const SpaceLabels space{[&](const glm::dvec3& p) { return reader.at(voxelAt(indexOf(p))); },
                           [&](const glm::dvec3& p) { return nearestLabel(beyond, indexOf(p)); },
-                          insideOf(solid)};
+                          std::move(isInside)};
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
   const double tolerance = kCrackTolerance * solid.frame.voxelSize;
-  const auto cutThrough = [&](const SolidMesh& mesh) {
-    ExactSurface surface;
-    for (int attempt = 0; attempt < kMostTries; ++attempt) {
-      const MergeOptions merging{.facets = {.cracks = {.tolerance = tolerance}},
-                                 .displacementSeed = static_cast<std::uint64_t>(attempt)};
-      const Complex simple = withMergedFacets(cracks, merging, progress).complex;
-      surface = exactSurface(mesh.mesh, simple, fragments, space, progress);
-      if (!surface.isDegenerate) break;
+  ExactSurface surface;
+  for (int attempt = 0; attempt < kMostTries; ++attempt) {
+    const MergeOptions merging{.facets = {.cracks = {.tolerance = tolerance}},
+                               .displacementSeed = static_cast<std::uint64_t>(attempt)};
+    const Complex simple = withMergedFacets(cracks, merging, progress).complex;
+    surface = exactSurface(mesh, simple, fragments, space, progress);
+    if (!surface.isDegenerate) break;
+  }
+  return surface;
+}
+
+// Numbers triangles of the mesh that was cut by those of the input.
+void setSources(ExactSurface& surface, std::span<const std::uint32_t> source) {
+  for (LabeledMesh& mesh : surface.meshes) {
+    for (std::uint32_t& triangle : mesh.mesh.source) {
+      if (triangle != TriangleMesh::kNoSource) triangle = source[triangle];
     }
+  }
+}
+
+// Cuts a mesh, one layer after the other.  A fragment is in one layer.
+ExactSurface cutLayers(const Solid& solid, const Labels& labels, const SolidMesh& mesh,
+                       std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+  if (solid.blocks->layers.empty()) {
+    ExactSurface surface =
+        cutLayer(solid, labels, mesh.mesh, insideOf(solid), neighborhoods, progress);
+    setSources(surface, mesh.source);
     return surface;
-  };
+  }
+  ExactSurface all;
+  all.meshes.resize(static_cast<std::size_t>(labels.fragmentCount));
+  for (std::size_t layer = 0; layer <= solid.blocks->layers.size(); ++layer) {
+    const SolidMesh own = meshOfLayer(mesh, layer);
+    const Solid part = solidOfLayer(solid, layer);
+    const TriangleTree tree(own.mesh);
+    ExactSurface surface = cutLayer(
+        part, labelsOfLayer(labels, part), own.mesh,
+        [&](const glm::dvec3& p) { return tree.winding(p) >= 0.5; }, neighborhoods, progress);
+    if (!surface.failure.empty()) return surface;
+    setSources(surface, own.source);
+    for (std::size_t i = 0; i < all.meshes.size(); ++i) {
+      if (surface.meshes[i].mesh.triangles.empty()) continue;
+      all.meshes[i] = std::move(surface.meshes[i]);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
+                         std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+  if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
+    return {.failure = std::move(obstacle)};
+  }
   Bodies bodies(*solid.mesh, progress);
   if (componentsMeet(solid.mesh->mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
   }
-  ExactSurface surface = cutThrough(bodies.mesh());
+  ExactSurface surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, progress);
   // A body that crosses itself is cut as it is where no crack meets the crossings.
   if (!surface.failure.empty() && !bodies.isTried() && bodies.unite().empty() &&
       bodies.united().mesh != nullptr) {
-    surface = cutThrough(bodies.mesh());
-  }
-  for (LabeledMesh& mesh : surface.meshes) {
-    for (std::uint32_t& source : mesh.mesh.source) {
-      if (source != TriangleMesh::kNoSource) source = bodies.mesh().source[source];
-    }
+    surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, progress);
   }
   if (surface.failure.empty()) surface.united = bodies.united();
   return surface;

@@ -177,17 +177,6 @@ void addVoxels(FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t>
   }
 }
 
-void takeVoxels(FloatGrid& grid, LeafBlocks& blocks, std::span<const std::size_t> voxelIndices) {
-  const float height = worldFromVoxels(kLeastDepthVoxels, frameOf(grid));
-  FloatGrid::Accessor accessor = grid.getAccessor();
-  for (const std::size_t voxelIndex : voxelIndices) {
-    const std::uint64_t bit = std::uint64_t{1} << (voxelIndex % 64);
-    accessor.setValueOn(blocks.voxelAt(voxelIndex), height);
-    blocks.inside[voxelIndex / 64] &= ~bit;
-    blocks.exteriorBand[voxelIndex / 64] |= bit;
-  }
-}
-
 std::function<float(const glm::dvec3&)> samplesOf(ConstFloatGridPtr grid) {
   return [grid = std::move(grid)](const glm::dvec3& at) {
     return openvdb::tools::BoxSampler::sample(grid->getConstAccessor(),

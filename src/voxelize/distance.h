@@ -41,11 +41,6 @@ void multiplyValues(openvdb::FloatGrid& grid, double factor);
 void addVoxels(openvdb::FloatGrid& grid, LeafBlocks& blocks,
                std::span<const std::size_t> voxelIndices);
 
-/// Makes inside voxels exterior band voxels, as near to the surface as a voxel may be.
-///   voxelIndices  of inside voxels
-void takeVoxels(openvdb::FloatGrid& grid, LeafBlocks& blocks,
-                std::span<const std::size_t> voxelIndices);
-
 /// Replaces `grid` by the union of two level sets of one frame; `other` is consumed.
 void unite(openvdb::FloatGrid& grid, openvdb::FloatGrid& other);
 

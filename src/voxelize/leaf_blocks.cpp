@@ -15,6 +15,38 @@ std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel) {
   return static_cast<std::uint32_t>(at - blocks.origins.begin());
 }
 
+std::size_t voxelBehind(const LeafBlocks& blocks, std::size_t voxel, std::size_t axis) {
+  static constexpr std::size_t kStep[] = {64, 8, 1};
+  const std::size_t step = kStep[axis];
+  if (voxel / step % 8 != 7) return voxel + step;
+  const std::uint32_t leaf = blocks.neighbors[voxel / 512 * 6 + 2 * axis + 1];
+  return leaf == LeafBlocks::kNone ? kNoVoxel : std::size_t{leaf} * 512 + voxel % 512 - 7 * step;
+}
+
+std::uint64_t insideOfLayer(const LeafBlocks& blocks, std::size_t layer, std::size_t word) {
+  if (layer > 0) return blocks.layers[layer - 1][word];
+  std::uint64_t own = blocks.inside[word];
+  for (const std::vector<std::uint64_t>& other : blocks.layers) own &= ~other[word];
+  return own;
+}
+
+std::vector<std::vector<std::uint64_t>> layersOf(const LeafBlocks& blocks,
+                                                 const LeafBlocks& others) {
+  std::vector<std::vector<std::uint64_t>> layers(
+      others.layers.size(), std::vector<std::uint64_t>(blocks.inside.size(), 0));
+  for (std::size_t leaf = 0; !layers.empty() && leaf < blocks.count(); ++leaf) {
+    const std::uint32_t from = findLeaf(others, blocks.origins[leaf]);
+    if (from == LeafBlocks::kNone) continue;
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      for (std::size_t x = 0; x < 8; ++x) {
+        layers[i][leaf * 8 + x] =
+            others.layers[i][std::size_t{from} * 8 + x] & blocks.inside[leaf * 8 + x];
+      }
+    }
+  }
+  return layers;
+}
+
 double longestSideOr(double given, const LeafBlocks& blocks) {
   return given > 0.0 ? given : std::max(insideBox(blocks).longestSide(), 1);
 }

@@ -13,6 +13,19 @@ namespace sherd {
 /// Returns the index of the leaf that holds `voxel`, or LeafBlocks::kNone.
 [[nodiscard]] std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
 
+/// Returns the voxel behind one in positive x, y or z, or kNoVoxel.
+inline constexpr std::size_t kNoVoxel = ~std::size_t{0};
+[[nodiscard]] std::size_t voxelBehind(const LeafBlocks& blocks, std::size_t voxel,
+                                      std::size_t axis);
+
+/// Returns a word of the inside voxels of a layer.
+[[nodiscard]] std::uint64_t insideOfLayer(const LeafBlocks& blocks, std::size_t layer,
+                                          std::size_t word);
+
+/// Returns LeafBlocks::layers of blocks some of whose voxels are those of others.
+[[nodiscard]] std::vector<std::vector<std::uint64_t>> layersOf(const LeafBlocks& blocks,
+                                                               const LeafBlocks& others);
+
 /// Returns the tight box of the inside voxels; empty() if there are none.
 [[nodiscard]] VoxelBox insideBox(const LeafBlocks& blocks);
 

@@ -15,7 +15,7 @@
 #include "mesh/joined.h"
 #include "mesh/repair.h"
 #include "mesh/seams.h"
-#include "voxelize/body_gaps.h"
+#include "voxelize/body_layers.h"
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
@@ -93,10 +93,12 @@ bool isAutomatic(const SolidOptions& options) {
   return options.voxelSize == 0.0 && options.resolution == kAutoResolution;
 }
 
-// Sets the voxels, with how they were filled, which may be none.
+// Sets the voxels, with how they were filled, which may be none.  Returns the layers of triangles,
+// see BodyLayers.
 //   source  the mesh, world units
-void fill(Solid& solid, const Filling& filling, const MeshInGrid& in, const TriangleMesh& source,
-          const SolidOptions& options, const Progress* progress) {
+std::vector<std::uint16_t> fill(Solid& solid, const Filling& filling, const MeshInGrid& in,
+                                const TriangleMesh& source, const SolidOptions& options,
+                                const Progress* progress) {
   const double voxelSize = solid.frame.voxelSize;
   SolidReport& report = solid.report;
   report.fill = filling.fill;
@@ -106,16 +108,16 @@ void fill(Solid& solid, const Filling& filling, const MeshInGrid& in, const Tria
     report.meshVolume = 0.0;
   }
   reportProgress(progress, "voxelize", 0.3);
-  if (filling.surface->empty()) return;
+  if (filling.surface->empty()) return {};
   const FloatGridPtr distance = levelSetOf(filling, solid.frame, progress);
   LeafBlocks blocks = leafBlocks(*distance);
   const std::vector<std::size_t> bridges = bridgesOf(blocks, filling, progress);
   addVoxels(*distance, blocks, bridges);
+  BodyLayers layers;
   if (filling.fill == Fill::winding && report.defects.closed()) {
-    const BodyGaps gaps = bodyGapsOf(blocks, in.clean, source.vertices, progress);
-    takeVoxels(*distance, blocks, gaps.voxels);
-    report.gaps = gaps.voxels.size();
-    report.joinedBodies = gaps.joined;
+    layers = bodyLayers(blocks, in.clean, source.vertices, progress);
+    blocks.layers = std::move(layers.voxels);
+    report.nearBodies = layers.bodies;
   }
   solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   report.bridges = bridges.size();
@@ -126,18 +128,26 @@ void fill(Solid& solid, const Filling& filling, const MeshInGrid& in, const Tria
       (box.max - box.min) / voxelSize, filling.surface, filling.contains,
       isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels, filling.firstClosing);
   measureVoxels(solid);
+  return std::move(layers.ofTriangle);
 }
+
+// A solid, and the layers of its mesh's triangles, see BodyLayers.
+struct Filled {
+  Solid solid{};
+  std::vector<std::uint16_t> layers{};
+};
 
 // Returns the solid of a mesh in a grid, with its report, which may have no voxels.
 //   throws  TooMuchWork, if the choice is limited
-Solid filled(const MeshInGrid& in, const FillChoice& choice, const TriangleMesh& source,
-             const SolidOptions& options, const Progress* progress) {
-  Solid solid;
-  solid.frame = in.frame;
-  solid.report = in.report;
-  fill(solid, fillingOf(choice, in.clean, in.mesh, options, in.frame.voxelSize, progress), in,
-       source, options, progress);
-  return solid;
+Filled filled(const MeshInGrid& in, const FillChoice& choice, const TriangleMesh& source,
+              const SolidOptions& options, const Progress* progress) {
+  Filled out;
+  out.solid.frame = in.frame;
+  out.solid.report = in.report;
+  const Filling filling =
+      fillingOf(choice, in.clean, in.mesh, options, in.frame.voxelSize, progress);
+  out.layers = fill(out.solid, filling, in, source, options, progress);
+  return out;
 }
 
 FillChoice shellInstead(const MeshDefects& defects) {
@@ -209,14 +219,15 @@ Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, do
       reportProgress(progress, "voxelize", 0.2);
     }
   }
-  Solid solid;
+  Filled made;
   try {
-    solid = filled(in, choice, source, options, progress);
+    made = filled(in, choice, source, options, progress);
   } catch (const TooMuchWork&) {
     if (isAutomatic(options)) in = inGrid(source, voxelSizeFor(source, first), progress);
-    solid = filled(in, shellInstead(in.report.defects), source, options, progress);
-    solid.report.tookTooLong = true;
+    made = filled(in, shellInstead(in.report.defects), source, options, progress);
+    made.solid.report.tookTooLong = true;
   }
+  Solid& solid = made.solid;
   SolidReport& report = solid.report;
   const double voxelSize = solid.frame.voxelSize;
   report.resolution = {resolutionFor(source, voxelSize), isAutomatic(options)};
@@ -225,12 +236,12 @@ Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, do
     // The voxels only decide where cracks run.
     report.isThinnerThanVoxels = true;
     const FillChoice shell{Fill::shell, "no voxel center lies inside the closed mesh"};
-    fill(solid, fillingOf(shell, in.clean, in.mesh, options, voxelSize, progress), in, source,
-         options, progress);
+    made.layers = fill(solid, fillingOf(shell, in.clean, in.mesh, options, voxelSize, progress), in,
+                       source, options, progress);
   }
   if (options.keepMesh) {
-    solid.mesh = std::make_shared<const SolidMesh>(
-        SolidMesh{{source.vertices, in.clean.mesh.triangles}, std::move(in.source)});
+    solid.mesh = std::make_shared<const SolidMesh>(SolidMesh{
+        {source.vertices, in.clean.mesh.triangles}, std::move(in.source), std::move(made.layers)});
   }
   if (options.keepSeams) {
     Seams seams(source, solid.frame.origin, voxelSize);
@@ -244,7 +255,7 @@ Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, do
                 OptionNames{"resolution"});
   }
   reportProgress(progress, "voxelize", 1.0);
-  return solid;
+  return std::move(made.solid);
 }
 
 }  // namespace sherd

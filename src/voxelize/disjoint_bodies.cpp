@@ -1,0 +1,147 @@
+// The bodies of a closed mesh that have nothing in common.
+#include "voxelize/disjoint_bodies.h"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <optional>
+
+#include "base/cancel_flag.h"
+#include "base/union_find.h"
+#include "exact/self_crossings.h"
+#include "mesh/boxes.h"
+#include "mesh/triangle_tree.h"
+
+namespace sherd {
+namespace {
+
+// The components of a mesh as meshes of their own.
+class Components {
+ public:
+  Components(std::span<const glm::dvec3> vertices, const TriangleMesh& mesh,
+             const MeshComponents& components)
+      : vertices_(vertices), triangles_(components.count) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      triangles_[components.ofTriangle[t]].push_back(mesh.triangles[t]);
+    }
+  }
+
+  [[nodiscard]] std::size_t count() const { return triangles_.size(); }
+
+  [[nodiscard]] TriangleMesh joined(std::span<const std::uint32_t> some) const {
+    TriangleMesh out;
+    std::vector<std::uint32_t> used;
+    for (const std::uint32_t c : some) {
+      for (const glm::uvec3& t : triangles_[c]) used.insert(used.end(), {t.x, t.y, t.z});
+    }
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    const auto numberOf = [&](std::uint32_t v) {
+      return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) -
+                                        used.begin());
+    };
+    for (const std::uint32_t v : used) out.vertices.push_back(vertices_[v]);
+    for (const std::uint32_t c : some) {
+      for (const glm::uvec3& t : triangles_[c]) {
+        out.triangles.emplace_back(numberOf(t.x), numberOf(t.y), numberOf(t.z));
+      }
+    }
+    return out;
+  }
+
+  [[nodiscard]] glm::dvec3 point(std::uint32_t component) const {
+    return vertices_[triangles_[component].front().x];
+  }
+
+ private:
+  std::span<const glm::dvec3> vertices_;
+  std::vector<std::vector<glm::uvec3>> triangles_;
+};
+
+// A part of the mesh that encloses points of space.
+class Enclosure {
+ public:
+  explicit Enclosure(TriangleMesh mesh)
+      : mesh_(std::move(mesh)), box_(bounds(mesh_)), volume_(volume(mesh_)) {}
+
+  [[nodiscard]] double enclosed() const { return volume_; }
+
+  bool contains(const glm::dvec3& p) {
+    if (glm::clamp(p, box_.min, box_.max) != p) return false;
+    if (!tree_) tree_.emplace(mesh_);
+    return tree_->winding(p) >= 0.5;
+  }
+
+ private:
+  TriangleMesh mesh_;
+  Box box_;
+  double volume_;
+  std::optional<TriangleTree> tree_{};  // made when needed
+};
+
+// Joins each cavity to the smallest body around it.
+void joinCavities(const Components& components, UnionFind& bodies) {
+  std::vector<Enclosure> all;
+  for (std::uint32_t c = 0; c < components.count(); ++c) {
+    all.emplace_back(components.joined(std::span(&c, 1)));
+  }
+  std::vector<std::uint32_t> outsides, cavities;
+  for (std::uint32_t c = 0; c < all.size(); ++c) {
+    (all[c].enclosed() < 0.0 ? cavities : outsides).push_back(c);
+  }
+  std::stable_sort(outsides.begin(), outsides.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return all[a].enclosed() < all[b].enclosed();
+  });
+  for (const std::uint32_t cavity : cavities) {
+    const auto around = std::find_if(outsides.begin(), outsides.end(), [&](std::uint32_t outside) {
+      return all[outside].contains(components.point(cavity));
+    });
+    if (around != outsides.end()) bodies.unite(cavity, *around);
+  }
+}
+
+// Joins bodies to those within whose solids they lie.
+//   body  [components] with their cavities
+void joinNested(const Components& components, const std::vector<std::uint32_t>& body,
+                std::span<const std::uint8_t> near, UnionFind& bodies, const Progress* progress) {
+  std::vector<std::vector<std::uint32_t>> parts(components.count());  // of bodies, by their name
+  for (std::uint32_t c = 0; c < body.size(); ++c) parts[body[c]].push_back(c);
+  std::vector<std::uint32_t> names;
+  std::vector<Enclosure> solids;
+  for (std::uint32_t name = 0; name < parts.size(); ++name) {
+    if (parts[name].empty()) continue;
+    names.push_back(name);
+    solids.emplace_back(components.joined(parts[name]));
+  }
+  for (const std::uint32_t inner : names) {
+    throwIfCancelled(progress);
+    const bool isNear = std::any_of(parts[inner].begin(), parts[inner].end(),
+                                    [&](std::uint32_t c) { return near[c] != 0; });
+    for (std::size_t i = 0; isNear && i < names.size(); ++i) {
+      if (bodies.find(inner) == bodies.find(names[i])) continue;
+      if (solids[i].contains(components.point(inner))) bodies.unite(inner, names[i]);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> disjointBodies(std::span<const glm::dvec3> vertices,
+                                          const TriangleMesh& mesh,
+                                          const MeshComponents& components,
+                                          std::span<const std::uint8_t> near,
+                                          const Progress* progress) {
+  const Components parts(vertices, mesh, components);
+  UnionFind bodies(components.count);
+  joinCavities(parts, bodies);
+  const std::vector<std::uint32_t> body = UnionFind(bodies).all();
+  std::vector<std::uint32_t> bodyOfTriangle;
+  for (const std::uint32_t c : components.ofTriangle) bodyOfTriangle.push_back(body[c]);
+  for (const auto& [s, t] :
+       selfCrossings(vertices, mesh.triangles, progress, {.source = bodyOfTriangle})) {
+    bodies.unite(bodyOfTriangle[s], bodyOfTriangle[t]);
+  }
+  joinNested(parts, body, near, bodies, progress);
+  return std::move(bodies).all();
+}
+
+}  // namespace sherd

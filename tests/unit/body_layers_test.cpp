@@ -1,0 +1,217 @@
+// Bodies that stay apart however near they are: as voxels, in growth, erosion and exact surfaces.
+#include <gtest/gtest.h>
+#include <sherd/fracture.h>
+#include <sherd/labels.h>
+#include <sherd/seeds.h>
+
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "kernels/device_fixture.h"
+#include "mesh/triangle_tree.h"
+#include "shapes.h"
+#include "voxelize/leaf_blocks.h"
+
+namespace sherd {
+namespace {
+
+using BodyLayers = DeviceTest;
+using Bodies = std::vector<TriangleMesh>;
+
+// Turns bodies about an axis through the origin that is parallel to no other.
+Bodies turned(Bodies bodies) {
+  const glm::dmat3 turn = glm::mat3_cast(glm::normalize(glm::dquat(0.9, 0.1, 0.3, 0.2)));
+  for (TriangleMesh& body : bodies) {
+    for (glm::dvec3& v : body.vertices) v = turn * v;
+  }
+  return bodies;
+}
+
+TriangleMesh joined(const Bodies& bodies) {
+  TriangleMesh all;
+  for (const TriangleMesh& body : bodies) all = shapes::append(all, body);
+  return all;
+}
+
+// Bricks without mortar: gaps of `gap` between all of them.
+Bodies bricks(double gap) {
+  Bodies all;
+  for (int x = 0; x < 3; ++x) {
+    for (int z = 0; z < 2; ++z) {
+      const double pitch = 6.0 + gap;
+      all.push_back(shapes::cube(6.0, {pitch * x + 1.7 * z, 0.3, pitch * z}));
+    }
+  }
+  return all;
+}
+
+Bodies cards(double thickness, double gap, int count = 8) {
+  Bodies all;
+  for (int i = 0; i < count; ++i) {
+    all.push_back(shapes::transformed(shapes::box({24.0, 24.0, thickness}), 1.0,
+                                      {0.0, 0.0, (thickness + gap) * i}));
+  }
+  return all;
+}
+
+std::vector<Bodies> nearBodies() {
+  std::vector<Bodies> all;
+  for (const double gap : {1e-9, 0.1, 0.5, 0.9, 1.5, 2.5}) {
+    all.push_back(bricks(gap));
+    all.push_back(turned(bricks(gap)));
+  }
+  all.push_back(cards(0.95, 0.05));
+  all.push_back(turned(cards(1.4, 0.02)));
+  all.push_back({shapes::ball(8.0, 3), shapes::ball(8.0, 3, {16.02, 0.0, 0.0})});
+  all.push_back({shapes::hollowBall(10.0, 7.0), shapes::ball(6.8)});
+  return all;
+}
+
+// [voxels] the body that contains the center of each inside voxel, or -1.
+std::vector<int> bodiesOfVoxels(const Solid& solid, const Bodies& bodies) {
+  std::vector<int> body(solid.blocks->count() * 512, -1);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const TriangleTree tree(bodies[i]);
+    solid.blocks->forEachInside([&](std::size_t voxel) {
+      const glm::dvec3 at = solid.frame.worldFromIndex(solid.blocks->voxelAt(voxel));
+      if (tree.winding(at) >= 0.5) body[voxel] = static_cast<int>(i);
+    });
+  }
+  return body;
+}
+
+TEST_F(BodyLayers, VoxelsAreConnectedWithinTheirBodiesOnly) {
+  for (const Bodies& bodies : nearBodies()) {
+    const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    const std::vector<int> body = bodiesOfVoxels(solid, bodies);
+    const VoxelComponents components = findComponents(*solid.blocks, device());
+    std::map<std::uint32_t, std::set<int>> bodiesOfComponents;
+    std::set<int> found;
+    solid.blocks->forEachInside([&](std::size_t voxel) {
+      if (body[voxel] < 0) return;  // a bridge
+      bodiesOfComponents[components.at(voxel)].insert(body[voxel]);
+      found.insert(body[voxel]);
+    });
+    for (const auto& [component, own] : bodiesOfComponents) EXPECT_EQ(own.size(), 1u);
+    EXPECT_EQ(found.size(), bodies.size());
+  }
+}
+
+TEST_F(BodyLayers, ThickBodiesAreOneComponentEach) {
+  for (const double gap : {1e-9, 0.1, 0.5, 0.9, 1.5, 2.5}) {
+    for (const Bodies& bodies : {bricks(gap), turned(bricks(gap))}) {
+      const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+      EXPECT_EQ(findComponents(*solid.blocks, device()).count(), bodies.size()) << gap;
+      EXPECT_NEAR(static_cast<double>(solid.voxels), 6.0 * 216.0, 130.0);
+      if (gap < 0.4) {
+        EXPECT_EQ(solid.report.nearBodies, bodies.size());
+      }
+    }
+  }
+}
+
+TEST_F(BodyLayers, BodiesThatTouchOverlapOrLieWithinEachOtherAreOne) {
+  Bodies deep{shapes::cube(24.0)};  // those within are near each other, not near the outside
+  deep.push_back(shapes::cube(4.0, {-2.1, 0.0, 0.0}));
+  deep.push_back(shapes::cube(4.0, {2.1, 0.0, 0.0}));
+  for (const Bodies& bodies : {bricks(0.0), bricks(-0.3), turned(bricks(-0.3)), deep,
+                               Bodies{shapes::cube(12.0), shapes::cube(4.0, {3.7, 0.1, 0.2})},
+                               Bodies{shapes::hollowBall(10.0, 8.6)}}) {
+    const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    EXPECT_EQ(findComponents(*solid.blocks, device()).count(), 1u);
+    EXPECT_EQ(solid.report.nearBodies, 0u);
+    EXPECT_TRUE(solid.blocks->layers.empty());
+  }
+}
+
+// Where no voxels of different bodies lie side by side, layers change nothing.
+TEST_F(BodyLayers, GrowthIsThatOfOneLayerWhereBodiesAreFarEnoughApart) {
+  const Solid layered = voxelize(joined(bricks(2.5)), {.voxelSize = 0.5});
+  ASSERT_GT(layered.blocks->layers.size(), 0u);
+  Solid plain = layered;
+  LeafBlocks blocks = *layered.blocks;
+  blocks.layers.clear();
+  plain.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
+  for (const Growth growth :
+       {Growth::flood, Growth::nearest, Growth::chain, Growth::euclid, Growth::sequential}) {
+    for (const double roughness : {0.0, 0.7}) {
+      for (const int neighborhood : {6, 26}) {
+        if (neighborhood == 26 && growth != Growth::flood) continue;
+        FractureOptions options{.pieces = 23, .seed = 4};
+        options.grow = {.growth = growth, .neighborhood = neighborhood, .roughness = roughness};
+        options.grow.keepCost = growth != Growth::sequential;
+        const FractureResult a = fracture(plain, options, device());
+        const FractureResult b = fracture(layered, options, device());
+        EXPECT_EQ(a.seeds, b.seeds);
+        EXPECT_EQ(a.labels.fragment, b.labels.fragment) << static_cast<int>(growth) << roughness;
+        EXPECT_EQ(a.labels.cost, b.labels.cost);
+        EXPECT_EQ(a.labels.disconnected, b.labels.disconnected);
+      }
+    }
+  }
+}
+
+TEST_F(BodyLayers, AFragmentIsOfOneBody) {
+  for (const Bodies& bodies : {bricks(0.01), turned(bricks(0.3)), turned(cards(3.0, 0.02))}) {
+    Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    const std::vector<int> body = bodiesOfVoxels(solid, bodies);
+    for (const Growth growth : {Growth::flood, Growth::chain, Growth::euclid, Growth::sequential}) {
+      FractureOptions options{.pieces = 20, .seed = 2};
+      options.grow = {.growth = growth, .roughness = 0.6};
+      const FractureResult result = fracture(solid, options, device());
+      std::vector<std::set<int>> bodiesOf(21);
+      result.labels.blocks->forEachInside([&](std::size_t voxel) {
+        if (body[voxel] >= 0) bodiesOf[result.labels.fragment[voxel]].insert(body[voxel]);
+      });
+      EXPECT_TRUE(bodiesOf[0].empty());
+      for (std::size_t id = 1; id < bodiesOf.size(); ++id) EXPECT_EQ(bodiesOf[id].size(), 1u) << id;
+    }
+  }
+}
+
+TEST_F(BodyLayers, CracksAloneErode) {
+  FractureOptions options{.pieces = 6, .solid = {.voxelSize = 1.0}};
+  options.erode = {.iterations = 2.0, .on = ErodeOn::fracture};
+  const FractureResult whole = fracture(joined(turned(bricks(0.05))), options, device());
+  EXPECT_EQ(whole.eroded[0], 0u);  // each brick is a piece, without cracks
+  options.pieces = 12;
+  EXPECT_GT(fracture(joined(turned(bricks(0.05))), options, device()).eroded[0], 0u);
+}
+
+TEST_F(BodyLayers, ExactFragmentsAreOfOneBody) {
+  for (const Bodies& bodies : nearBodies()) {
+    FractureOptions options{.pieces = 15, .solid = {.voxelSize = 1.0, .keepMesh = true}};
+    options.surface.surface = Surface::exact;
+    const FractureResult result = fracture(joined(bodies), options, device());
+    ASSERT_EQ(result.exactFailure, "");
+    std::vector<double> volumes(bodies.size(), 0.0);
+    std::vector<TriangleTree> trees;
+    for (const TriangleMesh& body : bodies) trees.emplace_back(body);
+    for (const Fragment& fragment : result.fragments) {
+      const TriangleMesh& mesh = fragment.mesh;
+      std::set<std::size_t> own;  // bodies whose triangles it has
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (mesh.source[t] == TriangleMesh::kNoSource) continue;
+        std::size_t body = 0, first = 0;
+        while (mesh.source[t] >= first + bodies[body].triangles.size()) {
+          first += bodies[body++].triangles.size();
+        }
+        own.insert(body);
+      }
+      ASSERT_EQ(own.size(), 1u);
+      volumes[*own.begin()] += volume(mesh);
+    }
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      EXPECT_NEAR(volumes[i], volume(bodies[i]), 1e-9 * volume(bodies[i]));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sherd
