@@ -10,6 +10,7 @@
 
 #include "exact/unite.h"
 #include "mesh/edges.h"
+#include "mesh/positions.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
 #include "surface/crack_surface.h"
@@ -173,6 +174,28 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const SolidMesh
   return all;
 }
 
+// Whether vertices of a mesh that is manifold have one position: sheets touch there.
+bool touchesItself(const TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> first = firstAtPosition(mesh.vertices);
+  for (std::uint32_t v = 0; v < first.size(); ++v) {
+    if (first[v] != v) return true;
+  }
+  return false;
+}
+
+// The cut of united bodies, or a failure: bodies that touch along edges or at
+// vertices may have fragments that do.
+ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united) {
+  if (!surface.failure.empty()) return surface;
+  for (std::size_t i = 0; united.mesh != nullptr && i < surface.meshes.size(); ++i) {
+    if (!touchesItself(surface.meshes[i].mesh)) continue;
+    return {.failure =
+                "fragment " + std::to_string(i + 1) + " of the united bodies touches itself"};
+  }
+  surface.united = united;
+  return surface;
+}
+
 }  // namespace
 
 ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
@@ -190,8 +213,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
       bodies.united().mesh != nullptr) {
     surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, progress);
   }
-  if (surface.failure.empty()) surface.united = bodies.united();
-  return surface;
+  return checkedUnion(std::move(surface), bodies.united());
 }
 
 }  // namespace sherd

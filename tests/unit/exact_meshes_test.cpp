@@ -192,6 +192,16 @@ TEST(Exact, ABodyWithinAnotherVanishes) {
   expectUnited(mesh, exactOptions(5, 40), 2, 8.0, 24.0);
 }
 
+// Two cubes that have an edge in common, on a plate: the union has four faces at the edge.
+TEST(Exact, AUnionThatTouchesItselfFallsBack) {
+  const TriangleMesh cubes =
+      shapes::append(brick({0, 0, 0}, {1, 1, 1}), brick({1, 1, 0}, {1, 1, 1}));
+  const TriangleMesh mesh = shapes::append(cubes, brick({0, 0, -0.5}, {2, 2, 0.6}));
+  const FractureResult result = broken(mesh, exactOptions(1, 40));
+  EXPECT_EQ(result.exactFailure, "fragment 1 of the united bodies touches itself");
+  EXPECT_EQ(nonManifoldEdges(result.fragments[0].mesh), 0u);
+}
+
 TEST(Exact, UnitedBodiesKeepTheirMaterials) {
   TriangleMesh mesh = shapes::append(shapes::cube(1.0), brick({0.5, -0.2, -0.2}, {0.4, 0.4, 0.4}));
   mesh.attributes.material.assign(24, 1);

@@ -26,8 +26,8 @@ def sentences(name, manifest):
         found.append(f"{counted(dropped, 'face')} of {name} without area or repeated were left out")
     if get("bridges"):
         found.append(f"walls of {name} thinner than a voxel were thickened ({counted(get('bridges'), 'voxel')})")
-    if get("gaps"):
-        found.append(f"parts of {name} closer than a voxel were kept apart ({counted(get('gaps'), 'voxel')} taken away)")
+    if get("near_bodies"):
+        found.append(f"{get('near_bodies')} parts of {name} closer than a voxel to others were kept apart")
     if manifest.get("pieces_asked"):
         found.append(f"{name} has {counted(manifest['components'], 'separate part')}, and so more pieces than the "
                      f"{manifest['pieces_asked']} asked for")
