@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,6 +20,7 @@
 #include "exact/self_crossings.h"
 #include "exact/winding_of_patches.h"
 #include "mesh/boxes.h"
+#include "mesh/near_boxes.h"
 #include "mesh/positions.h"
 #include "mesh/triangle_tree.h"
 
@@ -138,26 +139,15 @@ std::optional<MeshComponents> componentsOf(const TriangleMesh& mesh) {
 
 // Marks the triangles of components whose boxes meet that of another component.
 std::vector<std::uint8_t> nearOthers(const TriangleMesh& mesh, const MeshComponents& components) {
-  std::vector<std::optional<Box>> boxes(components.count);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<Box> boxes(components.count, {glm::dvec3(kInfinity), glm::dvec3(-kInfinity)});
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3& c = mesh.triangles[t];
     const Box own = boxOf({mesh.vertices[c.x], mesh.vertices[c.y], mesh.vertices[c.z]});
-    std::optional<Box>& box = boxes[components.ofTriangle[t]];
-    box = box ? Box{glm::min(box->min, own.min), glm::max(box->max, own.max)} : own;
+    Box& box = boxes[components.ofTriangle[t]];
+    box = {glm::min(box.min, own.min), glm::max(box.max, own.max)};
   }
-  std::vector<std::uint32_t> order(components.count);
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return boxes[a]->min.x != boxes[b]->min.x ? boxes[a]->min.x < boxes[b]->min.x : a < b;
-  });
-  std::vector<std::uint8_t> isNear(components.count, 0);
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
-      const Box &a = *boxes[order[i]], &b = *boxes[order[j]];
-      if (b.min.x > a.max.x) break;
-      if (meet(a, b)) isNear[order[i]] = isNear[order[j]] = 1;
-    }
-  }
+  const std::vector<std::uint8_t> isNear = meetingOthers(boxes);
   std::vector<std::uint8_t> marks;
   marks.reserve(mesh.triangles.size());
   for (const std::uint32_t c : components.ofTriangle) marks.push_back(isNear[c]);

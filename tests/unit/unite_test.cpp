@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "exact/self_crossings.h"
+#include "mesh/boxes.h"
+#include "mesh/near_boxes.h"
 #include "mesh/triangle_tree.h"
 #include "shapes.h"
 #include "surface/bodies.h"
@@ -178,6 +180,45 @@ TEST(Unite, BodiesApartStayBitForBit) {
   const UnitedMesh united = unite(mesh);
   EXPECT_EQ(united.mesh.vertices, mesh.vertices);
   EXPECT_EQ(united.mesh.triangles, mesh.triangles);
+}
+
+TEST(Unite, ManyBodiesApartDoNotMeet) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(0.0, 0.9);
+  TriangleMesh mesh;
+  for (int i = 0; i < 5000; ++i) {  // each in a cell of its own
+    const glm::dvec3 low = glm::dvec3(i % 17, i / 17 % 17, i / 17 / 17) +
+                           glm::dvec3(uniform(random), uniform(random), uniform(random));
+    const TriangleMesh box = boxAt(low, low + 0.09);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), box.vertices.begin(), box.vertices.end());
+    for (const glm::uvec3& t : box.triangles) mesh.triangles.push_back(t + first);
+  }
+  EXPECT_FALSE(componentsMeet(mesh));
+  EXPECT_TRUE(componentsMeet(append(mesh, boxAt({3, 3, 3}, {4, 4, 4}))));  // around one
+}
+
+TEST(NearBoxes, AreThoseThatMeetAnother) {
+  std::mt19937 random(9);
+  for (const double size : {0.01, 0.05, 0.4}) {  // of none to all of 5,000
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    const auto draw = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+    std::vector<Box> boxes;
+    for (int i = 0; i < 5000; ++i) {
+      const glm::dvec3 low = draw();
+      boxes.push_back({low, low + size * draw()});
+    }
+    boxes.push_back({{2, 2, 2}, {3, 3, 3}});
+    boxes.push_back({{3, 2, 2}, {4, 3, 3}});  // a common face
+    boxes.push_back({{2, 4, 2}, {2, 4, 2}});  // a point alone
+    std::vector<std::uint8_t> expected(boxes.size(), 0);
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (meet(boxes[i], boxes[j])) expected[i] = expected[j] = 1;
+      }
+    }
+    EXPECT_EQ(meetingOthers(boxes), expected);
+  }
 }
 
 TEST(Unite, AWallOfBricks) {
