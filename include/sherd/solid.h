@@ -213,6 +213,7 @@ struct SolidReport {
   ResolutionChoice resolution{};
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner
   std::uint64_t nearBodies = 0;  ///< bodies nearer than a voxel to others, which stay apart
+  bool hasJoinedBodies = false;  ///< too many bodies are too near each other to stay apart
 };
 
 class Seams;

@@ -172,6 +172,11 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   if (std::string united = unitedText(result.united); !united.empty()) {
     warnings.push_back(titleOf(source) + ": " + std::move(united));
   }
+  if (report.hasJoinedBodies) {
+    warnings.push_back(titleOf(source) +
+                       ": there are so many bodies within some voxels that those closer than a "
+                       "voxel are joined; a higher resolution keeps them apart");
+  }
   if (report.tookTooLong) {
     warnings.push_back(titleOf(source) + ": the mesh is a shell, since " + report.fillReason +
                        "; the fill winding closes it in any case");

@@ -183,6 +183,7 @@ BodyLayers bodyLayers(const LeafBlocks& blocks, const SearchedMesh& mesh,
   const MeshComponents components = meshComponents(mesh.mesh);
   if (components.count < 2) return {};
   const VoxelOwners owners(blocks, *mesh.tree, components, progress);
+  if (owners.areTooMany()) return {.areJoined = true};
   if (owners.nearPairs().empty()) return {};
   std::vector<std::uint8_t> isNear(components.count, 0);
   for (const auto& [a, b] : owners.nearPairs()) isNear[a] = isNear[b] = 1;

@@ -18,7 +18,8 @@ namespace sherd {
 struct BodyLayers {
   std::vector<std::vector<std::uint64_t>> voxels{};  ///< see LeafBlocks::layers
   std::vector<std::uint16_t> ofTriangle{};           ///< [triangles] of the mesh; empty: all in 0
-  std::size_t bodies = 0;                            ///< those that come near others
+  bool areJoined = false;  ///< too many near each other: those side by side are connected
+  std::size_t bodies = 0;  ///< those that come near others
 };
 
 /// Returns the layers of bodies, which are the closed components of a mesh, each with its cavities;

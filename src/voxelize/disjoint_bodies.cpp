@@ -8,7 +8,7 @@
 #include "base/cancel_flag.h"
 #include "base/union_find.h"
 #include "exact/self_crossings.h"
-#include "mesh/boxes.h"
+#include "mesh/near_boxes.h"
 #include "mesh/triangle_tree.h"
 
 namespace sherd {
@@ -64,6 +64,7 @@ class Enclosure {
       : mesh_(std::move(mesh)), box_(bounds(mesh_)), volume_(volume(mesh_)) {}
 
   [[nodiscard]] double enclosed() const { return volume_; }
+  [[nodiscard]] const Box& box() const { return box_; }
 
   bool contains(const glm::dvec3& p) {
     if (glm::clamp(p, box_.min, box_.max) != p) return false;
@@ -88,14 +89,19 @@ void joinCavities(const Components& components, UnionFind& bodies) {
   for (std::uint32_t c = 0; c < all.size(); ++c) {
     (all[c].enclosed() < 0.0 ? cavities : outsides).push_back(c);
   }
-  std::stable_sort(outsides.begin(), outsides.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return all[a].enclosed() < all[b].enclosed();
-  });
+  if (cavities.empty() || outsides.empty()) return;
+  std::vector<Box> boxes;
+  for (const std::uint32_t outside : outsides) boxes.push_back(all[outside].box());
+  const BoxTree tree(boxes);
   for (const std::uint32_t cavity : cavities) {
-    const auto around = std::find_if(outsides.begin(), outsides.end(), [&](std::uint32_t outside) {
-      return all[outside].contains(components.point(cavity));
-    });
-    if (around != outsides.end()) bodies.unite(cavity, *around);
+    const glm::dvec3 p = components.point(cavity);
+    std::optional<std::uint32_t> smallest;
+    for (const std::uint32_t i : tree.meeting({p, p})) {
+      Enclosure& outside = all[outsides[i]];
+      if (smallest && outside.enclosed() >= all[*smallest].enclosed()) continue;
+      if (outside.contains(p)) smallest = outsides[i];
+    }
+    if (smallest) bodies.unite(cavity, *smallest);
   }
 }
 
@@ -112,13 +118,18 @@ void joinNested(const Components& components, const std::vector<std::uint32_t>& 
     names.push_back(name);
     solids.emplace_back(components.joined(parts[name]));
   }
+  std::vector<Box> boxes;
+  for (const Enclosure& solid : solids) boxes.push_back(solid.box());
+  const BoxTree tree(boxes);
   for (const std::uint32_t inner : names) {
     throwIfCancelled(progress);
     const bool isNear = std::any_of(parts[inner].begin(), parts[inner].end(),
                                     [&](std::uint32_t c) { return near[c] != 0; });
-    for (std::size_t i = 0; isNear && i < names.size(); ++i) {
+    if (!isNear) continue;
+    const glm::dvec3 p = components.point(inner);
+    for (const std::uint32_t i : tree.meeting({p, p})) {
       if (bodies.find(inner) == bodies.find(names[i])) continue;
-      if (solids[i].contains(components.point(inner))) bodies.unite(inner, names[i]);
+      if (solids[i].contains(p)) bodies.unite(inner, names[i]);
     }
   }
 }

@@ -18,12 +18,18 @@ constexpr double kReach = 1.0;
 // Cracks reach three voxels beyond a solid.
 constexpr double kNear = kHalfWidthVoxels;
 
+// Components near one leaf: more would be smaller than two voxels.
+constexpr std::size_t kMostInALeaf = 256;
+
+constexpr std::size_t kPairsAtOnce = std::size_t{1} << 22;  // are sorted
+
 }  // namespace
 
 VoxelOwners::VoxelOwners(const LeafBlocks& blocks, const TriangleTree& tree,
                          const MeshComponents& components, const Progress* progress)
     : blocks_(blocks), tree_(tree), components_(components), slot_(blocks.count(), kNone) {
   findNear(progress);
+  if (areTooMany_) return;
   for (std::uint32_t leaf = 0; leaf < near_.size(); ++leaf) {
     if (near_[leaf] != kSeveral) continue;
     slot_[leaf] = static_cast<std::uint32_t>(leaves_.size());
@@ -52,14 +58,23 @@ void VoxelOwners::findNear(const Progress* progress) {
     own.erase(std::unique(own.begin(), own.end()), own.end());
   });
   stop.throwIfSet();
+  const auto sortPairs = [&] {
+    std::sort(nearPairs_.begin(), nearPairs_.end());
+    nearPairs_.erase(std::unique(nearPairs_.begin(), nearPairs_.end()), nearPairs_.end());
+  };
+  std::size_t enough = kPairsAtOnce;
   for (const std::vector<std::uint32_t>& own : near) {
     near_.push_back(own.empty() ? kNone : own.size() == 1 ? own.front() : kSeveral);
-    for (std::size_t i = 0; i < own.size(); ++i) {
+    areTooMany_ = areTooMany_ || own.size() > kMostInALeaf;
+    for (std::size_t i = 0; i < own.size() && !areTooMany_; ++i) {
       for (std::size_t k = i + 1; k < own.size(); ++k) nearPairs_.push_back({own[i], own[k]});
     }
+    if (nearPairs_.size() < enough) continue;
+    throwIfCancelled(progress);
+    sortPairs();
+    enough = 2 * nearPairs_.size() + kPairsAtOnce;
   }
-  std::sort(nearPairs_.begin(), nearPairs_.end());
-  nearPairs_.erase(std::unique(nearPairs_.begin(), nearPairs_.end()), nearPairs_.end());
+  sortPairs();
 }
 
 void VoxelOwners::own(std::size_t slot) {

@@ -39,6 +39,9 @@ class VoxelOwners {
     }
   }
 
+  /// Whether so many components come near one leaf that no owners were found.
+  [[nodiscard]] bool areTooMany() const { return areTooMany_; }
+
   /// Returns the pairs of components, lower first, that come near one leaf: all that are nearer to
   /// each other than cracks reach beyond a solid, and some more.
   [[nodiscard]] const std::vector<std::array<std::uint32_t, 2>>& nearPairs() const {
@@ -60,6 +63,7 @@ class VoxelOwners {
   const LeafBlocks& blocks_;
   const TriangleTree& tree_;
   const MeshComponents& components_;
+  bool areTooMany_ = false;
   std::vector<std::array<std::uint32_t, 2>> nearPairs_;
   std::vector<std::uint32_t> near_;    // [leaves of the solid]
   std::vector<std::uint32_t> leaves_;  // that several components come near

@@ -118,6 +118,7 @@ std::vector<std::uint16_t> fill(Solid& solid, const Filling& filling, const Mesh
     layers = bodyLayers(blocks, in.clean, source.vertices, progress);
     blocks.layers = std::move(layers.voxels);
     report.nearBodies = layers.bodies;
+    report.hasJoinedBodies = layers.areJoined;
   }
   solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   report.bridges = bridges.size();

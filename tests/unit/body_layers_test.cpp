@@ -116,6 +116,33 @@ TEST_F(BodyLayers, ThickBodiesAreOneComponentEach) {
   }
 }
 
+// Cubes of a side, with gaps of 0.1 between them.
+TriangleMesh lattice(double side, int count) {
+  TriangleMesh all;
+  for (int i = 0; i < count * count * count; ++i) {
+    const glm::dvec3 cell(i % count, i / count % count, i / count / count);
+    const TriangleMesh cube = shapes::cube(side, cell * (side + 0.1));
+    const auto first = static_cast<std::uint32_t>(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), cube.vertices.begin(), cube.vertices.end());
+    for (const glm::uvec3& t : cube.triangles) all.triangles.push_back(t + first);
+  }
+  return all;
+}
+
+TEST_F(BodyLayers, AThousandBodiesStayApart) {
+  const Solid solid = voxelize(lattice(3.4, 10), {.voxelSize = 1.0});
+  EXPECT_EQ(findComponents(*solid.blocks, device()).count(), 1000u);
+  EXPECT_EQ(solid.report.nearBodies, 1000u);
+  EXPECT_LE(solid.blocks->layers.size(), 26u);  // a body has at most 26 neighbors
+}
+
+TEST_F(BodyLayers, TooManyAreJoined) {
+  const Solid solid = voxelize(lattice(1.0, 10), {.voxelSize = 1.0});
+  EXPECT_TRUE(solid.report.hasJoinedBodies);
+  EXPECT_TRUE(solid.blocks->layers.empty());
+  EXPECT_FALSE(voxelize(lattice(3.4, 3), {.voxelSize = 1.0}).report.hasJoinedBodies);
+}
+
 TEST_F(BodyLayers, BodiesThatTouchOverlapOrLieWithinEachOtherAreOne) {
   Bodies deep{shapes::cube(24.0)};  // those within are near each other, not near the outside
   deep.push_back(shapes::cube(4.0, {-2.1, 0.0, 0.0}));
