@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "base/cancel_flag.h"
 #include "base/union_find.h"
@@ -59,8 +60,9 @@ class Intersections {
   void add(const std::array<std::uint32_t, 2>& pair);
 
   // Divides the triangles of the plane that is named by its first triangle.
-  bool divide(std::span<const std::uint32_t> ofPlane, std::vector<ArrangedTriangle>& out,
-              const Progress* progress);
+  // Returns arrangePlane's failure.
+  std::string divide(std::span<const std::uint32_t> ofPlane, std::vector<ArrangedTriangle>& out,
+                     const Progress* progress);
 
   [[nodiscard]] std::uint32_t planeOf(std::uint32_t triangle) { return plane_.find(triangle); }
 
@@ -124,8 +126,8 @@ void Intersections::add(const std::array<std::uint32_t, 2>& pair) {
   }
 }
 
-bool Intersections::divide(std::span<const std::uint32_t> ofPlane,
-                           std::vector<ArrangedTriangle>& out, const Progress* progress) {
+std::string Intersections::divide(std::span<const std::uint32_t> ofPlane,
+                                  std::vector<ArrangedTriangle>& out, const Progress* progress) {
   std::vector<PlaneTriangle> triangles;
   std::vector<ArrangedLine> lines;
   std::vector<std::uint32_t> single;
@@ -139,11 +141,10 @@ bool Intersections::divide(std::span<const std::uint32_t> ofPlane,
 
 }  // namespace
 
-std::vector<ArrangedTriangle> arrangementOf(std::span<const glm::dvec3> vertices,
-                                            std::span<const glm::uvec3> triangles,
-                                            std::span<const std::array<std::uint32_t, 2>> pairs,
-                                            PointSet& points, std::vector<std::uint8_t>& isDivided,
-                                            const Progress* progress) {
+Arrangement arrangementOf(std::span<const glm::dvec3> vertices,
+                          std::span<const glm::uvec3> triangles,
+                          std::span<const std::array<std::uint32_t, 2>> pairs, PointSet& points,
+                          std::vector<std::uint8_t>& isDivided, const Progress* progress) {
   constexpr std::size_t kOften = 256;  // how much is done between two looks at `progress`
   isDivided.assign(triangles.size(), 0);
   for (const auto& [s, t] : pairs) isDivided[s] = isDivided[t] = 1;
@@ -155,11 +156,11 @@ std::vector<ArrangedTriangle> arrangementOf(std::span<const glm::dvec3> vertices
     if (i % kOften == 0) throwIfCancelled(progress);
     intersections.add(pairs[i]);
   }
-  std::vector<ArrangedTriangle> out;
+  Arrangement out;
   std::vector<std::array<std::uint32_t, 2>> planes;  // {plane, triangle}
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     if (isDivided[t] == 0) {
-      out.push_back({triangles[t], t});
+      out.parts.push_back({triangles[t], t});
     } else {
       planes.push_back({intersections.planeOf(t), t});
     }
@@ -170,7 +171,9 @@ std::vector<ArrangedTriangle> arrangementOf(std::span<const glm::dvec3> vertices
     own.push_back(planes[i][1]);
     if (i + 1 < planes.size() && planes[i + 1][0] == planes[i][0]) continue;
     throwIfCancelled(progress);
-    if (!intersections.divide(own, out, progress)) return {};
+    if (std::string failure = intersections.divide(own, out.parts, progress); !failure.empty()) {
+      return {{}, std::move(failure)};
+    }
     own.clear();
   }
   return out;

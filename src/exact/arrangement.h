@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "exact/point_set.h"
@@ -41,13 +42,19 @@ struct PlaneTriangle {
 ///   points  within the triangles; the ends of lines need not be among them
 ///   all     gets the points where lines cross
 ///   out     appended to; pieces that are covered as often from both sides are left out
-///   return  false if too many lines cross each other, or if the triangulation failed, which has
-///           no other known cause
+///   return  why that failed, as a clause: too many lines cross each other; empty if it did not
 ///   throws  Error(cancelled)
-[[nodiscard]] bool arrangePlane(std::span<const PlaneTriangle> triangles,
-                                std::vector<ArrangedLine> lines, std::vector<std::uint32_t> points,
-                                PointSet& all, std::vector<ArrangedTriangle>& out,
-                                const Progress* progress);
+[[nodiscard]] std::string arrangePlane(std::span<const PlaneTriangle> triangles,
+                                       std::vector<ArrangedLine> lines,
+                                       std::vector<std::uint32_t> points, PointSet& all,
+                                       std::vector<ArrangedTriangle>& out,
+                                       const Progress* progress);
+
+/// Whole triangles of a mesh and parts of others, or why these could not be made.
+struct Arrangement {
+  std::vector<ArrangedTriangle> parts{};
+  std::string failure{};  ///< a clause; empty if `parts` is valid
+};
 
 /// Divides all triangles along their intersections.
 ///   vertices   of different positions
@@ -55,11 +62,11 @@ struct PlaneTriangle {
 ///   pairs      all that intersect other than in common vertices and edges
 ///   points     made of `vertices`; gets the new ones
 ///   isDivided  [triangles] gets 1 for those that others meet
-///   return     whole triangles and parts; empty if that failed
 ///   throws     Error(cancelled)
-[[nodiscard]] std::vector<ArrangedTriangle> arrangementOf(
-    std::span<const glm::dvec3> vertices, std::span<const glm::uvec3> triangles,
-    std::span<const std::array<std::uint32_t, 2>> pairs, PointSet& points,
-    std::vector<std::uint8_t>& isDivided, const Progress* progress);
+[[nodiscard]] Arrangement arrangementOf(std::span<const glm::dvec3> vertices,
+                                        std::span<const glm::uvec3> triangles,
+                                        std::span<const std::array<std::uint32_t, 2>> pairs,
+                                        PointSet& points, std::vector<std::uint8_t>& isDivided,
+                                        const Progress* progress);
 
 }  // namespace sherd

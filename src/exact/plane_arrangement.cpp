@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <numeric>
+#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -43,13 +44,14 @@ class PlaneArrangement {
     for (std::size_t i = 0; i < lines_.size(); ++i) chains_[i] = {lines_[i].from, lines_[i].to};
   }
 
-  // Returns false if the triangulation failed.
-  bool triangulateAll();
+  // Returns why that failed, as a clause, or nothing.
+  std::string triangulateAll();
   void append(std::vector<ArrangedTriangle>& out) const;
 
  private:
   static constexpr int kMostPasses = 64;
-  // Of lines that cross each other in one plane: their triangulation takes more than linear time.
+  // Of lines that cross each other in one plane: each costs an exact test for each line, together
+  // some seconds.
   static constexpr std::size_t kMostCrossings = 4096;
   static constexpr Index kFrame = 0xffffffffu;  // in numbers_: of a corner around all triangles
 
@@ -84,6 +86,7 @@ class PlaneArrangement {
   std::unordered_map<Index, Index> localOf_;
   std::vector<std::array<Index, 2>> segments_;  // by points_
   std::vector<Index> lineOf_;                   // [segments_] one of its lines
+  std::size_t crossings_ = 0;                   // that were found so far
   Triangulation parts_;
 };
 
@@ -207,7 +210,6 @@ void PlaneArrangement::makeSegments() {
 // Adds the points where segments cross.  Returns false if there are none.
 bool PlaneArrangement::addCrossings(const Triangulation& parts) {
   const std::size_t before = points_.size();
-  if (parts.crossing.size() > kMostCrossings) return false;
   for (const auto& [i, j] : parts.crossing) {
     throwIfCancelled(progress_);
     const auto endsOf = [&](Index segment) {
@@ -220,18 +222,24 @@ bool PlaneArrangement::addCrossings(const Triangulation& parts) {
   return points_.size() > before;
 }
 
-bool PlaneArrangement::triangulateAll() {
+std::string PlaneArrangement::triangulateAll() {
   if (triangles_.size() == 1) findAxis();
   std::size_t firstNew = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     splitLines(std::max(firstNew, triangles_.size() > 1 ? std::size_t{3} : std::size_t{0}));
     makeSegments();
     firstNew = points_.size();
-    parts_ = triangulate(points_, segments_);
-    if (parts_.isComplete()) return true;
-    if (!addCrossings(parts_)) return false;
+    parts_ = triangulate(points_, segments_, progress_);
+    if (parts_.isComplete()) return {};
+    // Of each pass: those with the segments that are in its triangulation.
+    crossings_ += parts_.crossing.size();
+    if (crossings_ > kMostCrossings) {
+      return "triangles cross each other more than " + std::to_string(kMostCrossings) +
+             " times in one plane";
+    }
+    if (!addCrossings(parts_)) break;
   }
-  return false;
+  return "the triangles in one plane that cross each other can't be divided";  // no known cause
 }
 
 void PlaneArrangement::appendSingle(std::vector<ArrangedTriangle>& out) const {
@@ -308,13 +316,13 @@ void PlaneArrangement::append(std::vector<ArrangedTriangle>& out) const {
 
 }  // namespace
 
-bool arrangePlane(std::span<const PlaneTriangle> triangles, std::vector<ArrangedLine> lines,
-                  std::vector<std::uint32_t> points, PointSet& all,
-                  std::vector<ArrangedTriangle>& out, const Progress* progress) {
+std::string arrangePlane(std::span<const PlaneTriangle> triangles, std::vector<ArrangedLine> lines,
+                         std::vector<std::uint32_t> points, PointSet& all,
+                         std::vector<ArrangedTriangle>& out, const Progress* progress) {
   PlaneArrangement plane(triangles, std::move(lines), std::move(points), all, progress);
-  if (!plane.triangulateAll()) return false;
-  plane.append(out);
-  return true;
+  std::string failure = plane.triangulateAll();
+  if (failure.empty()) plane.append(out);
+  return failure;
 }
 
 }  // namespace sherd

@@ -6,6 +6,7 @@
 #include <deque>
 #include <utility>
 
+#include "base/cancel_flag.h"
 #include "base/random.h"
 #include "exact/half_edges.h"
 #include "exact/triangle_plane.h"
@@ -20,7 +21,7 @@ class Triangulator {
   Triangulator(std::span<const TrianglePoint> points, const TrianglePlane& plane)
       : plane_(plane), mesh_(points.size()), coincides_(points.size(), false) {}
 
-  void addPoints();
+  void addPoints(const Progress* progress);
   void addSegment(Index segment, Index from, Index to);
   void improve();
   [[nodiscard]] Triangulation result();
@@ -57,8 +58,11 @@ class Triangulator {
   Triangulation result_;
 };
 
-void Triangulator::addPoints() {
-  for (const std::uint32_t point : plane_.sorted()) addPoint(point);
+void Triangulator::addPoints(const Progress* progress) {
+  for (const std::uint32_t point : plane_.sorted()) {
+    throwIfCancelled(progress);
+    addPoint(point);
+  }
 }
 
 // Walks to the triangle that contains a point.  Edges are tried in random order: a walk in a
@@ -245,7 +249,8 @@ Triangulation Triangulator::result() {
 }  // namespace
 
 Triangulation triangulate(std::span<const TrianglePoint> points,
-                          std::span<const std::array<std::uint32_t, 2>> segments) {
+                          std::span<const std::array<std::uint32_t, 2>> segments,
+                          const Progress* progress) {
   assert(points.size() >= 3);
   const TrianglePlane plane(points);
   if (plane.isFlat()) {
@@ -254,8 +259,9 @@ Triangulation triangulate(std::span<const TrianglePoint> points,
     return flat;
   }
   Triangulator triangulator(points, plane);
-  triangulator.addPoints();
+  triangulator.addPoints(progress);
   for (Index i = 0; i < segments.size(); ++i) {
+    throwIfCancelled(progress);
     triangulator.addSegment(i, segments[i][0], segments[i][1]);
   }
   triangulator.improve();

@@ -1,6 +1,8 @@
 // The constrained triangulation of one triangle.
 #pragma once
 
+#include <sherd/progress.h>
+
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -44,10 +46,13 @@ struct Triangulation {
 /// Of two segments that cross the later is left out.
 ///   points    the three corners, counter-clockwise, then others in the triangle
 ///   segments  pairs of points
+///   progress  may be null
+///   throws    Error(cancelled)
 ///   cost      about points * log(points), for sorting
 ///   source    Lawson, Software for C1 Surface Interpolation, 1977; Sloan, A Fast Algorithm for
 ///             Generating Constrained Delaunay Triangulations, 1993
 [[nodiscard]] Triangulation triangulate(std::span<const TrianglePoint> points,
-                                        std::span<const std::array<std::uint32_t, 2>> segments);
+                                        std::span<const std::array<std::uint32_t, 2>> segments,
+                                        const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -161,9 +161,10 @@ UnitedMesh unitedOnce(const TriangleMesh& mesh, const Progress* progress) {
   const auto pairs = selfCrossings(whole.vertices, whole.triangles, progress);
   PointSet points(whole.vertices);
   std::vector<std::uint8_t> isDivided;
-  const std::vector<ArrangedTriangle> parts =
+  Arrangement arrangement =
       arrangementOf(whole.vertices, whole.triangles, pairs, points, isDivided, progress);
-  if (parts.empty()) return {.failure = "the triangles that cross each other can't be divided"};
+  if (!arrangement.failure.empty()) return {.failure = std::move(arrangement.failure)};
+  const std::vector<ArrangedTriangle>& parts = arrangement.parts;
   const auto winding = windingInFront(whole, TriangleTree(whole), parts, points, progress);
   if (!winding) return {.failure = "the bodies that overlap or touch are not closed"};
   std::vector<Kept> kept;

@@ -2,9 +2,11 @@
 #include "exact/unite.h"
 
 #include <gtest/gtest.h>
+#include <sherd/error.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -13,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "exact/arrangement.h"
 #include "exact/self_crossings.h"
 #include "mesh/boxes.h"
 #include "mesh/near_boxes.h"
@@ -391,6 +394,114 @@ TEST(Unite, TrianglesWithoutAreaAreLeftOut) {
   mesh.triangles.emplace_back(t.x, t.y, middle);
   ASSERT_EQ(openEdges(mesh), 0u);
   expectUnion(mesh, {2.0 - 0.5 * 0.75 * 0.75, 12.0 - 2.0 * (0.75 + 0.5625)});
+}
+
+// Lines through a triangle, along x and y, that end within it.
+struct Lattice {
+  std::array<glm::dvec3, 3> corners{glm::dvec3(0, 0, 0), {9, 0, 0}, {0, 9, 0}};
+  PointSet points{corners};
+  std::vector<ArrangedLine> lines;
+
+  explicit Lattice(int count) {
+    for (std::uint32_t corner = 0; corner < 3; ++corner) points.addVertex(corner);
+    for (int i = 0; i < count; ++i) {
+      const double at = 1.0 + i / 64.0;
+      for (const bool isAlongX : {true, false}) {
+        const auto add = [&](double along) {
+          return points.add(
+              ExactPoint(isAlongX ? glm::dvec3(along, at, 0) : glm::dvec3(at, along, 0)));
+        };
+        const std::uint32_t from = add(0.5), to = add(3.0);
+        lines.push_back({from, to});
+      }
+    }
+  }
+};
+
+std::string arranged(Lattice& lattice, std::vector<ArrangedTriangle>& out,
+                     const Progress* progress = nullptr) {
+  const std::vector<PlaneTriangle> whole{{0, {0, 1, 2}}};
+  return arrangePlane(whole, lattice.lines, {}, lattice.points, out, progress);
+}
+
+TEST(Unite, CrossingsInOnePlaneAreBounded) {
+  for (const int count : {8, 64, 65}) {
+    Lattice lattice(count);
+    std::vector<ArrangedTriangle> parts;
+    const std::string failure = arranged(lattice, parts);
+    if (count * count > 4096) {
+      EXPECT_EQ(failure, "triangles cross each other more than 4096 times in one plane");
+      EXPECT_TRUE(parts.empty());
+      continue;
+    }
+    EXPECT_EQ(failure, "");
+    // A triangulation of points inside a triangle has 2 points + 1 triangles.
+    EXPECT_EQ(parts.size(), static_cast<std::size_t>(2 * (4 * count + count * count) + 1));
+  }
+}
+
+TEST(Unite, ThatTrianglesCrossTooOftenIsTheReason) {
+  // A triangle, and others upright through it, along x and y.
+  std::vector<glm::dvec3> vertices{{0, 0, 0}, {9, 0, 0}, {0, 9, 0}};
+  std::vector<glm::uvec3> triangles{{0, 1, 2}};
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (int i = 0; i < 130; ++i) {
+    const double at = 1.0 + i / 2 / 64.0;
+    for (const glm::dvec3& corner : {glm::dvec3(-1, at, -1), {5, at, -1}, {2, at, 1}}) {
+      vertices.push_back(i % 2 == 0 ? corner : glm::dvec3(corner.y, corner.x, corner.z));
+    }
+    const auto last = static_cast<std::uint32_t>(vertices.size() - 1);
+    triangles.emplace_back(last - 2, last - 1, last);
+    pairs.push_back({0, static_cast<std::uint32_t>(i + 1)});
+  }
+  PointSet points(vertices);
+  std::vector<std::uint8_t> isDivided;
+  const Arrangement all = arrangementOf(vertices, triangles, pairs, points, isDivided, nullptr);
+  EXPECT_EQ(all.failure, "triangles cross each other more than 4096 times in one plane");
+  EXPECT_TRUE(all.parts.empty());
+}
+
+TEST(Unite, ThatNothingIsInsideIsTheReason) {
+  const UnitedMesh united = unite(append(kUnit, shapes::inverted(kUnit)));
+  EXPECT_EQ(united.failure, "the mesh has no inside");
+}
+
+// Runs work that is cancelled at one of the polls, and returns the number of polls without that.
+template <class Work>
+std::size_t expectCancelled(const Work& work) {
+  std::atomic<std::size_t> polls{0};
+  const Progress never{.report = {}, .cancelled = [&] { return ++polls, false; }};
+  work(&never);
+  const std::size_t all = polls;
+  for (const std::size_t at : {std::size_t{1}, all / 3 + 1, all * 2 / 3 + 1, all}) {
+    polls = 0;
+    const Progress then{.report = {}, .cancelled = [&] { return ++polls >= at; }};
+    try {
+      work(&then);
+      ADD_FAILURE() << "not cancelled at poll " << at << " of " << all;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::cancelled);
+    }
+    EXPECT_LE(polls, at + 64);  // as many threads may be at work
+  }
+  return all;
+}
+
+TEST(Unite, ACancelEndsTheDivisionOfAPlane) {
+  const std::size_t polls = expectCancelled([](const Progress* progress) {
+    Lattice lattice(32);
+    std::vector<ArrangedTriangle> parts;
+    EXPECT_EQ(arranged(lattice, parts, progress), "");
+  });
+  EXPECT_GE(polls, 2u * 32u * 32u);  // where each crossing is made, and where it is triangulated
+}
+
+TEST(Unite, ACancelEndsIt) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 6; ++i) {
+    mesh = append(mesh, boxAt({0.3 * i, 0.1 * i, 0.2 * i}, glm::dvec3(1.0 + 0.25 * i)));
+  }
+  expectCancelled([&](const Progress* progress) { EXPECT_EQ(unite(mesh, progress).failure, ""); });
 }
 
 }  // namespace
