@@ -11,7 +11,7 @@ namespace sherd::cli {
 /// which never falls.
 class OverallProgress {
  public:
-  ///   isExact  surfaces are Surface::exact, whose cut is a stage of its own
+  ///   isExact  surfaces are Surface::exact, whose union and cut are stages of their own
   explicit OverallProgress(bool isExact);
 
   /// Sets the number of objects that are broken one after another; 1 until then.
@@ -32,7 +32,7 @@ class OverallProgress {
     double done = 0.0;
   };
 
-  std::array<Stage, 8> stages_;
+  std::array<Stage, 9> stages_;
   std::size_t part_ = 0, parts_ = 1;
   double overall_ = 0.0;
 };

@@ -146,6 +146,9 @@ Arrangement arrangementOf(std::span<const glm::dvec3> vertices,
                           std::span<const std::array<std::uint32_t, 2>> pairs, PointSet& points,
                           std::vector<std::uint8_t>& isDivided, const Progress* progress) {
   constexpr std::size_t kOften = 256;  // how much is done between two looks at `progress`
+  const auto shareOf = [](std::size_t i, std::size_t count) {
+    return static_cast<double>(i) / static_cast<double>(count);
+  };
   isDivided.assign(triangles.size(), 0);
   for (const auto& [s, t] : pairs) isDivided[s] = isDivided[t] = 1;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -153,7 +156,7 @@ Arrangement arrangementOf(std::span<const glm::dvec3> vertices,
   }
   Intersections intersections(vertices, triangles, points);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (i % kOften == 0) throwIfCancelled(progress);
+    if (i % kOften == 0) reportProgress(progress, kUniteStage, 0.5 * shareOf(i, pairs.size()));
     intersections.add(pairs[i]);
   }
   Arrangement out;
@@ -170,7 +173,7 @@ Arrangement arrangementOf(std::span<const glm::dvec3> vertices,
   for (std::size_t i = 0; i < planes.size(); ++i) {
     own.push_back(planes[i][1]);
     if (i + 1 < planes.size() && planes[i + 1][0] == planes[i][0]) continue;
-    throwIfCancelled(progress);
+    reportProgress(progress, kUniteStage, 0.5 + 0.5 * shareOf(i, planes.size()));
     if (std::string failure = intersections.divide(own, out.parts, progress); !failure.empty()) {
       return {{}, std::move(failure)};
     }

@@ -14,6 +14,9 @@
 
 namespace sherd {
 
+/// In Progress::report.
+inline constexpr const char* kUniteStage = "unite";
+
 /// A part of a plane that triangles of the mesh cover: whole triangles or parts of them, which no
 /// other triangle crosses.
 struct ArrangedTriangle {

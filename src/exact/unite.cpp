@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/progress_part.h"
 #include "base/union_find.h"
 #include "exact/arrangement.h"
 #include "exact/crossing_point.h"
@@ -27,7 +28,6 @@
 namespace sherd {
 namespace {
 
-constexpr const char* kStage = "unite";
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr const char* kRounding = "rounding makes parts of the bodies that overlap or touch cross";
 
@@ -38,6 +38,8 @@ constexpr std::array<int, 3> kGridBits{40, 32, 24};
 // Triangles thinner than this part of the longest side are a reason to use them too.
 constexpr int kThinBits = 44;
 constexpr int kMostRounds = 4;  // of uniting the rounded union with itself
+// Most meshes need one pass; each further one takes as large a part of what is left of the stage.
+constexpr double kPassShare = 0.8;
 
 // The triangles that have an area, of vertices at different positions.
 TriangleMesh withArea(const TriangleMesh& mesh) {
@@ -161,12 +163,14 @@ UnitedMesh unitedOnce(const TriangleMesh& mesh, const Progress* progress) {
   const auto pairs = selfCrossings(whole.vertices, whole.triangles, progress);
   PointSet points(whole.vertices);
   std::vector<std::uint8_t> isDivided;
+  const Progress dividing = partOf(progress, 0.2, 0.7);
   Arrangement arrangement =
-      arrangementOf(whole.vertices, whole.triangles, pairs, points, isDivided, progress);
+      arrangementOf(whole.vertices, whole.triangles, pairs, points, isDivided, &dividing);
   if (!arrangement.failure.empty()) return {.failure = std::move(arrangement.failure)};
   const std::vector<ArrangedTriangle>& parts = arrangement.parts;
   const auto winding = windingInFront(whole, TriangleTree(whole), parts, points, progress);
   if (!winding) return {.failure = "the bodies that overlap or touch are not closed"};
+  reportProgress(progress, kUniteStage, 0.9);
   std::vector<Kept> kept;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const ArrangedTriangle& part = parts[p];
@@ -256,15 +260,22 @@ bool componentsMeet(const TriangleMesh& mesh, const Progress* progress) {
 }
 
 UnitedMesh unite(const TriangleMesh& mesh, const Progress* progress) {
-  reportProgress(progress, kStage, 0.0);
-  UnitedMesh united = unitedOnce(mesh, progress);
+  reportProgress(progress, kUniteStage, 0.0);
+  double left = 1.0;  // of the stage
+  const auto pass = [&](const TriangleMesh& of) {
+    const double from = 1.0 - left;
+    left *= 1.0 - kPassShare;
+    const Progress part = partOf(progress, from, 1.0 - left);
+    return unitedOnce(of, &part);
+  };
+  UnitedMesh united = pass(mesh);
   const double size = longestSide(bounds(mesh)), thin = std::ldexp(size, -kThinBits);
-  if (!united.isChanged && united.failure.empty()) return united;
+  const bool isWhole = !united.isChanged && united.failure.empty();
   for (const int bits : kGridBits) {
-    if (united.failure.empty() && !hasThinner(united.mesh, mesh, thin)) break;
-    UnitedMesh onGrid = unitedOnce(snapped(mesh, size, bits, progress), progress);
+    if (isWhole || (united.failure.empty() && !hasThinner(united.mesh, mesh, thin))) break;
+    UnitedMesh onGrid = pass(snapped(mesh, size, bits, progress));
     for (int round = 1; round < kMostRounds && isCrossedByRounding(onGrid); ++round) {
-      UnitedMesh again = unitedOnce(onGrid.mesh, progress);
+      UnitedMesh again = pass(onGrid.mesh);
       for (std::uint32_t& source : again.mesh.source) source = onGrid.mesh.source[source];
       onGrid = std::move(again);
     }
@@ -272,7 +283,7 @@ UnitedMesh unite(const TriangleMesh& mesh, const Progress* progress) {
     united = std::move(onGrid);
     united.isChanged = true;
   }
-  reportProgress(progress, kStage, 1.0);
+  reportProgress(progress, kUniteStage, 1.0);
   return united;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/progress_part.h"
 #include "formats/points/write_blocks.h"
 #include "points/check_points.h"
 #include "points/contact_sequence.h"
@@ -113,18 +114,12 @@ void writeAllDistances(const OutputFolder& folder, const FractureFiles& files,
                        const FractureResult& result, const TriangleMesh& intact, std::uint64_t seed,
                        DistanceOptions options, const Progress* progress) {
   if (!(options.sigma > 0.0)) options.sigma = result.solid.frame.voxelSize;
-  std::size_t done = 0;
-  Progress ofAll;
-  if (progress) ofAll.cancelled = progress->cancelled;
-  if (progress && progress->report) {
-    ofAll.report = [&](std::string_view stage, double fraction) {
-      progress->report(
-          stage, (static_cast<double>(done) + fraction) / static_cast<double>(result.kept() + 1));
-    };
-  }
+  double done = 0.0;
+  const auto all = static_cast<double>(result.kept() + 1);
   const auto write = [&](const std::string& file, const TriangleMesh& mesh, int id) {
     options.seed = pointOptionsOf({.seed = seed}, id).seed;
-    writeDistances(folder / file, DistanceSequence(mesh, options, &ofAll).blocks());
+    const Progress part = partOf(progress, done / all, (done + 1.0) / all);
+    writeDistances(folder / file, DistanceSequence(mesh, options, &part).blocks());
     ++done;
   };
   write(files.solidSdf, intact, 0);

@@ -14,7 +14,7 @@ import unittest
 
 from cli_test import SHERD, CommandLine, joined, sphere, tree, write_obj
 
-STAGES = {"read", "device", "voxelize", "guides", "grow", "erode", "cut", "extract", "write", "distances", "render", "done"}
+STAGES = {"read", "device", "voxelize", "guides", "grow", "erode", "unite", "cut", "extract", "write", "distances", "render", "done"}
 HANGS = 10.0  # seconds by the clock, of which other programs take theirs
 
 
@@ -49,6 +49,15 @@ class Progress(CommandLine):
                 others = self.expect_whole(result.stderr, "device", "voxelize", "grow", "erode", "extract", "write", "render", *extra)
                 self.assertEqual(others, [])
                 self.assertIn("3 fragments of ball.obj", result.stdout)
+
+    def test_the_union_of_bodies_has_a_share(self):
+        mesh = self.path("two.obj")
+        write_obj(mesh, joined(sphere(16, 24), sphere(16, 24, (1, 0.1, 0.2))))
+        result = self.done("--progress", "--surface", "exact", mesh=mesh)
+        self.expect_whole(result.stderr, "unite", "cut")
+        events, _ = self.lines(result.stderr)
+        first = {e["stage"]: e["overall"] for e in reversed(events)}
+        self.assertGreater(first["cut"], first["unite"] + 0.05)
 
     def test_with_json_quiet_and_warnings(self):
         result = self.done("--progress", "--json", "--quiet")

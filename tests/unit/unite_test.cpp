@@ -13,6 +13,8 @@
 #include <glm/mat3x3.hpp>
 #include <random>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "exact/arrangement.h"
@@ -494,6 +496,26 @@ TEST(Unite, ACancelEndsTheDivisionOfAPlane) {
     EXPECT_EQ(arranged(lattice, parts, progress), "");
   });
   EXPECT_GE(polls, 2u * 32u * 32u);  // where each crossing is made, and where it is triangulated
+}
+
+TEST(Unite, ProgressHasSteps) {
+  const TriangleMesh balls = append(shapes::ball(1.0, 4), shapes::ball(1.0, 4, {1.1, 0.2, 0.1}));
+  const TriangleMesh cubes = append(kUnit, boxAt(glm::dvec3(2.0), glm::dvec3(3.0)));
+  for (const auto& [mesh, least] : {std::pair(balls, 8u), {cubes, 3u}}) {
+    std::vector<double> fractions;
+    const Progress progress{.report =
+                                [&](std::string_view stage, double fraction) {
+                                  EXPECT_EQ(stage, "unite");
+                                  fractions.push_back(fraction);
+                                },
+                            .cancelled = {}};
+    EXPECT_EQ(unite(mesh, &progress).failure, "");
+    EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+    EXPECT_EQ(fractions.front(), 0.0);
+    EXPECT_EQ(fractions.back(), 1.0);
+    fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
+    EXPECT_GE(fractions.size(), least);
+  }
 }
 
 TEST(Unite, ACancelEndsIt) {
