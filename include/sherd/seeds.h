@@ -131,6 +131,9 @@ struct Impact {
   /// false: each seed is a new fragment, counted in pieces.  true: each seed is added to the
   /// nearest fragment, as extra seeds are.
   bool merge = false;
+  /// `target` before recentered() moved it, which manifests record: moving it back would round it.
+  /// Anywhere: the same as `target`.
+  std::variant<Anywhere, glm::dvec3, Ray> given{};
 };
 inline constexpr int kMaxBias = 1000;
 

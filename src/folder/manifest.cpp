@@ -56,10 +56,7 @@ double effectiveNumber(const FractureResult& result) {
 RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
                   const WriteOptions& write) {
   RunOptions used{.fracture = options, .volume = {}, .write = write};
-  if (write.offset) {
-    used.recenter = true;
-    used.fracture = moved(std::move(used.fracture), *write.offset);  // as they were given
-  }
+  used.recenter = write.offset.has_value();
   if (isDouble(write, isExact(options, result), result.solid))
     used.write.precision = Precision::full;
   used.fracture.pieces = static_cast<int>(result.fragments.size());

@@ -64,6 +64,7 @@ FractureOptions moved(FractureOptions options, const glm::dvec3& by) {
 }
 
 RunOptions recentered(RunOptions options, const glm::dvec3& offset) {
+  for (Impact& impact : options.fracture.seeds.impacts) impact.given = impact.target;
   options.fracture = moved(std::move(options.fracture), -offset);
   options.write.offset = offset;
   return options;

@@ -24,8 +24,10 @@ constexpr std::string_view kImpacts = "seeds.impacts", kSeedFile = "seeds.file",
 
 Json impactJson(const Impact& impact) {
   Json json = Json::object();
-  if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) json["point"] = jsonOf(*point);
-  if (const auto* ray = std::get_if<Ray>(&impact.target)) {
+  const bool isMoved = !std::holds_alternative<Impact::Anywhere>(impact.given);
+  const auto& target = isMoved ? impact.given : impact.target;
+  if (const auto* point = std::get_if<glm::dvec3>(&target)) json["point"] = jsonOf(*point);
+  if (const auto* ray = std::get_if<Ray>(&target)) {
     json["ray"] = {{"origin", jsonOf(ray->origin)}, {"direction", jsonOf(ray->direction)}};
   }
   json["count"] = impact.count;

@@ -85,9 +85,10 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("randomImpacts", randomImpacts, 2);
   expectRecorded("impacts", impacts, {Impact{}});
   impacts.push_back({.target = glm::dvec3{1, 0, 0}});
-  auto& [place, count, sigma, bias, energy, merge] = impacts.front();
+  auto& [place, count, sigma, bias, energy, merge, placeGiven] = impacts.front();
   expectRecorded("place", place, {glm::dvec3{0, 1, 0}});
   expectRecorded("place", place, {Ray{{2, 0, 0}, {-1, 0, 0}}});
+  expectRecorded("placeGiven", placeGiven, {glm::dvec3{0, 1, 0}});
   expectRecorded("count", count, 4);
   expectRecorded("sigma", sigma, 0.1);
   expectRecorded("bias", bias, 9);
