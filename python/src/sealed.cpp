@@ -16,7 +16,8 @@ namespace nb = nanobind;
 
 namespace {
 
-constexpr std::string_view kBegin{"sherd\0\0\1", 8};
+// Its last byte is the format's number: 2 since solids have an offset.
+constexpr std::string_view kBegin{"sherd\0\0\2", 8};
 constexpr std::size_t kKind = 8, kHead = kBegin.size() + kKind + sizeof(std::uint64_t);
 constexpr std::size_t kSum = sizeof(std::uint32_t);
 

@@ -81,10 +81,11 @@ def test_a_fracture_of_given_seeds_is_saved_and_pickled(subjects, tmp_path):
     assert np.array_equal(pysherd.load(tmp_path / "second").labels, f.labels)
 
 
-def test_another_version_is_named(subjects):
+@pytest.mark.parametrize("number", [1, 9])
+def test_another_version_is_named(subjects, number):
     state = bytearray(subjects["arrays"]._core.state)
-    state[7] = 9
-    with pytest.raises(pysherd.InputError, match="another version of pysherd.*format 9, and format 1 is read"):
+    state[7] = number
+    with pytest.raises(pysherd.InputError, match=f"another version of pysherd.*format {number}, and format 2 is read; make it again"):
         _unpickled(bytes(state))
 
 
@@ -119,8 +120,19 @@ def one(number, kind="Q"):
     return struct.pack("<Q" + kind, 1, number)
 
 
+def state_of_format_1(**fields):
+    """As solids were pickled before they had an offset, with a right checksum."""
+    state = bytearray(_core.sealed("solid", b"".join(value for key, value in solid_fields(**fields).items() if key != "offset"))[:-4])
+    state[7] = 1
+    return bytes(state) + zlib.crc32(state).to_bytes(4, "little")
+
+
 def solid_state(**fields):
     """A state of a cube, whose checksum is right, with some fields replaced."""
+    return _core.sealed("solid", b"".join(solid_fields(**fields).values()))
+
+
+def solid_fields(**fields):
     vertices, faces = cube()
     content = {
         "given": several([text(b"resolution") + text(b"12")]), "own_voxel_size": one(0.0, "d"), "level_set": text(b""),
@@ -131,13 +143,18 @@ def solid_state(**fields):
         "isovalue": several([]),
     }  # fmt: skip
     assert fields.keys() <= content.keys()
-    return _core.sealed("solid", b"".join({**content, **fields}.values()))
+    return {**content, **fields}
 
 
 def test_the_state_that_forgeries_begin_with_is_right():
     assert _unpickled(solid_state()).voxels == pysherd.voxelize(cube(), resolution=12).voxels
     state = solid_state()
     assert zlib.crc32(state[:-4]) == int.from_bytes(state[-4:], "little")
+
+
+def test_a_solid_of_an_older_version_is_refused():
+    with pytest.raises(pysherd.InputError, match="^this pickle of a solid is of another version of pysherd or damaged: its state has format 1, and format 2 is read; make it again$"):
+        _unpickled(state_of_format_1())
 
 
 V, F = cube()
