@@ -130,8 +130,8 @@ struct RunOptions {
 [[nodiscard]] glm::dvec3 boxCenter(const TriangleMesh& mesh);
 [[nodiscard]] glm::dvec3 boxCenter(const Solid& solid);
 
-/// Returns an object moved by a vector.  Moving it to the origin by its center is exact where it is
-/// farther from the origin than it is long.
+/// Returns an object moved by a vector.  By its center to the origin, that is exact along axes on
+/// which its box is at least half its length away from 0, else within 2^-54 of that length.
 ///   solid  of a level set: without a mesh or a region
 [[nodiscard]] TriangleMesh moved(TriangleMesh mesh, const glm::dvec3& by);
 [[nodiscard]] Solid moved(Solid solid, const glm::dvec3& by);

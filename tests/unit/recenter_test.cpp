@@ -87,6 +87,24 @@ TEST(Recenter, FarFromTheOriginNoBitIsLost) {
   EXPECT_LE(glm::length(boxCenter(near)), 1e-9);
 }
 
+TEST(Recenter, EachAxisIsExactByItself) {
+  const double radius = 3.0;
+  for (int far = 0; far < 3; ++far) {
+    glm::dvec3 at(0.1, -0.7, 1.3);
+    at[far] = 2.001 * radius;  // half of its length away from 0
+    const TriangleMesh mesh = moved(shapes::ball(radius, 3), at);
+    const glm::dvec3 center = boxCenter(mesh);
+    const TriangleMesh near = moved(mesh, -center);
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const long double exact = static_cast<long double>(mesh.vertices[i][axis]) - center[axis];
+        const long double error = std::abs(near.vertices[i][axis] - exact);
+        EXPECT_LE(error, axis == far ? 0.0L : 0x1p-54L * 2.0 * radius);
+      }
+    }
+  }
+}
+
 TEST(Recenter, BoxesAtTheEndOfDoublesHaveACenter) {
   TriangleMesh mesh = shapes::cube(1.0);
   for (glm::dvec3& v : mesh.vertices) v = v * 1e300 + glm::dvec3(1.5e308);
