@@ -93,7 +93,8 @@ std::string roundingWarning(const WriteOptions& write, const Solid& solid) {
                          "; the option recenter moves the object to the origin";
   if (hasFloatFormat(write)) {
     sentence += ", and .ply and .obj hold double precision";
-  } else if (write.mesh && write.precision == Precision::single) {
+  } else if (write.precision == Precision::single &&
+             (write.mesh || write.proxy || write.boundaries)) {
     sentence += ", and the option precision may be auto or double";
   }
   return sentence;

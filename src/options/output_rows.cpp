@@ -248,9 +248,11 @@ const Row kFileRows[]{
     {.name = "precision",
      .group = "",
      .value = V::choice(kWrite, &WriteOptions::precision, names::kPrecision),
-     .help = "Number type of vertices in meshes as .ply, .obj and text STL; auto: double of exact "
-             "surfaces, and where single would move them by more than a hundredth of a voxel",
-     .details = "number type of the vertices in meshes as `.ply`, `.obj` and text STL; `auto` is "
+     .help = "Number type of vertices in meshes as .ply, .obj and text STL, proxies and "
+             "boundaries.obj; auto: double of exact surfaces, and where single would move them by "
+             "more than a hundredth of a voxel",
+     .details = "number type of the vertices in meshes as `.ply`, `.obj` and text STL, also of the "
+                "intact solid (`--write solid`), in proxies and in `boundaries.obj`; `auto` is "
                 "`double` with `--surface exact`, whose uncut vertices are the input's bit for bit "
                 "then and "
                 "whose slivers would cross each other in `single`, and where `single` would move "
@@ -259,7 +261,11 @@ const Row kFileRows[]{
                 "precision "
                 "only, and a warning says so where that matters",
      .key = "mesh_precision",
-     .recorded = [](R o) { return o.write.mesh && o.write.precision != Precision::automatic; }},
+     .recorded =
+         [](R o) {
+           const bool isWritten = o.write.mesh || o.write.proxy || o.write.boundaries;
+           return isWritten && o.write.precision != Precision::automatic;
+         }},
     {.name = "source-faces",
      .group = "",
      .value = V::flag(kWrite, &WriteOptions::sourceFaces),

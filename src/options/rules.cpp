@@ -324,9 +324,10 @@ std::vector<Rule> formatRules() {
          const bool hasDoubles = hasFormat(o, MeshFileFormat::ply) ||
                                  hasFormat(o, MeshFileFormat::obj) ||
                                  hasFormat(o, MeshFileFormat::stlText);
-         return !writes(o, {"mesh"}) || !hasDoubles;
+         return !(writes(o, {"mesh"}) && hasDoubles) && !writes(o, {"proxy", "boundaries"});
        },
-       "does nothing without mesh in {write} and ply, obj or stl-ascii in {mesh-format}"},
+       "does nothing without proxy or boundaries in {write}, or mesh in {write} and ply, obj or "
+       "stl-ascii in {mesh-format}"},
       {{"voxel-format"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"labels"}); },

@@ -134,6 +134,19 @@ class FarFromTheOrigin(CommandLine):
         v = columns(read_ply(next(self.meshes(index=0)))[1], *"xyz")
         self.assertEqual({tuple(p) for p in read_obj(next(self.meshes(index=1)))[0]}, {tuple(p) for p in v})
 
+    def test_precision_is_of_proxies_and_boundaries_too(self):
+        for write in ("proxy", "boundaries"):
+            with self.subTest(write):
+                for precision, single in (("double", False), ("single", True)):
+                    run = self.done("--write", write, "--precision", precision, mesh=self.far)
+                    self.assertNotIn("does nothing", run.stderr)
+                    self.assertEqual(self.manifest()["options"]["mesh_precision"], precision)
+                    self.assertEqual("the option precision may be auto or double" in run.stderr, single)
+        run = self.done("--write", "labels", "--precision", "double", mesh=self.far)
+        self.assertIn("--precision does nothing without proxy or boundaries in --write, or mesh in --write and ply, obj or stl-ascii in --mesh-format", run.stderr)
+        run = self.done("--write", "mesh,solid", "--mesh-format", "glb", "--precision", "double", mesh=self.near)
+        self.assertIn("--precision does nothing", run.stderr)
+
     def test_near_the_origin_files_are_as_with_single(self):
         self.done("--write", "mesh", "--mesh-format", "ply,obj", mesh=self.near)
         automatic = [pathlib.Path(p).read_bytes() for i in (0, 1) for p in self.meshes(index=i)]

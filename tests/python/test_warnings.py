@@ -70,7 +70,7 @@ def test_sentences_are_those_of_the_program(options, tmp_path):
 def test_each_function_warns_of_its_own_keywords(tmp_path):
     solid = pysherd.voxelize(cube(), resolution=16)
     f = pysherd.fracture(solid, pieces=2, precision="double")
-    sentence = "precision does nothing without mesh in write and ply, obj or stl_ascii in mesh_format"
+    sentence = "precision does nothing without proxy or boundaries in write, or mesh in write and ply, obj or stl-ascii in mesh_format"
     for call, expected in (
         (lambda: pysherd.fracture(solid, pieces=2, metric="manhattan"), "metric does nothing without growth nearest or chain"),
         (lambda: list(solid.fractures(pieces=2, seeds=range(20), metric="manhattan")), "metric does nothing without growth nearest or chain"),
