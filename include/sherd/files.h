@@ -127,7 +127,8 @@ enum class MeshFileFormat {
 void writePly(const OutputFile& file, const TriangleMesh& mesh);
 
 /// Writes a mesh. A library of materials, named like the file, and textures are written beside
-/// `.obj` and `.ply` files.
+/// `.obj` and `.ply` files.  These and text STL have double precision where single moves vertices
+/// by more than a hundredth of a voxel at kMostAutoResolution voxels along the longest side.
 ///   files   receives the files by path
 ///   throws  Error(output), also if a library or texture exists with other content
 void writeMeshFile(FileSink& files, const std::filesystem::path& file, const SourceMesh& source,

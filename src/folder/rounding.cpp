@@ -2,19 +2,14 @@
 #include "folder/rounding.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "base/formatted.h"
 #include "base/option_text.h"
+#include "formats/mesh/piece_mesh.h"
+#include "mesh/single_rounding.h"
 
 namespace sherd {
 namespace {
-
-bool holdsDoubles(MeshFileFormat format) {
-  return format == MeshFileFormat::ply || format == MeshFileFormat::obj ||
-         format == MeshFileFormat::stlText;
-}
 
 const char* extensionOf(MeshFileFormat format) {
   switch (format) {
@@ -45,17 +40,8 @@ bool hasFloatFormat(const WriteOptions& write) {
 }
 
 double singleRounding(const Solid& solid) {
-  double farthest = 0.0;
-  for (const glm::dvec3& corner :
-       {solid.frame.worldFromIndex(solid.box.min), solid.frame.worldFromIndex(solid.box.max)}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      farthest = std::max(farthest, std::abs(corner[axis]));
-    }
-  }
-  if (!(farthest < std::numeric_limits<float>::max())) return farthest;  // no float comes near
-  const auto most = static_cast<float>(farthest);
-  const float next = std::nextafter(most, std::numeric_limits<float>::infinity());
-  return (static_cast<double>(next) - static_cast<double>(most)) / 2.0;
+  return singleRounding(
+      {solid.frame.worldFromIndex(solid.box.min), solid.frame.worldFromIndex(solid.box.max)});
 }
 
 bool isDouble(const WriteOptions& write, bool isExact, const Solid& solid) {

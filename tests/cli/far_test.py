@@ -147,6 +147,23 @@ class FarFromTheOrigin(CommandLine):
         run = self.done("--write", "mesh,solid", "--mesh-format", "glb", "--precision", "double", mesh=self.near)
         self.assertIn("--precision does nothing", run.stderr)
 
+    def test_convert_keeps_or_warns(self):
+        for place, mesh, far in (("near", self.near, False), ("far", self.far, True)):
+            for name, doubles in (("a.ply", True), ("a.obj", True), ("a.glb", False), ("a.stl", False), ("a.binm", False)):
+                with self.subTest((place, name)):
+                    out = self.path_of(name)
+                    run = self.run_sherd("convert", mesh, out)
+                    self.assertEqual(run.returncode, 0, run.stderr)
+                    self.assertEqual(run.stderr.count("single precision moves points by up to 0.25 units"), int(far and not doubles), run.stderr)
+                    self.assertEqual(len(run.stderr.splitlines()), int(far and not doubles))
+                    if name == "a.ply":
+                        self.assertEqual(read_ply(out)[1].dtype["x"], np.float64 if far else np.float32)
+        v, _ = read_obj(self.path_of("a.obj"))
+        self.assertEqual({tuple(p) for p in v}, {tuple(p) for p in self.corners + UTM})
+        run = self.run_sherd("convert", self.far, self.path_of("a.stl"), "--ascii")
+        self.assertEqual(run.stderr, "")
+        self.assertEqual({tuple(p) for p in read_text_stl(self.path_of("a.stl")).reshape(-1, 3)}, {tuple(p) for p in self.corners + UTM})
+
     def test_near_the_origin_files_are_as_with_single(self):
         self.done("--write", "mesh", "--mesh-format", "ply,obj", mesh=self.near)
         automatic = [pathlib.Path(p).read_bytes() for i in (0, 1) for p in self.meshes(index=i)]

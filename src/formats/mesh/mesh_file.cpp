@@ -2,14 +2,18 @@
 
 #include <sherd/error.h>
 #include <sherd/files.h>
+#include <sherd/mesh.h>
+#include <sherd/solid.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "base/file_bytes.h"
+#include "base/formatted.h"
 #include "base/safe_name.h"
 #include "base/text_scan.h"
 #include "formats/mesh/piece_mesh.h"
+#include "mesh/single_rounding.h"
 
 namespace sherd {
 namespace {
@@ -27,19 +31,31 @@ void writeBeside(FileSink& files, const fs::path& file, const std::string& bytes
   OutputFile(files, file).write(bytes);
 }
 
+// As kMostRoundingVoxels, which is a matter of fractures.
+constexpr double kMostRounding = 0.01 / kMostAutoResolution;  // of the longest side
+
 bool hasMaterials(const SourceMesh& source) { return !source.mesh.attributes.material.empty(); }
+
+// Whether single precision moves points by more than a hundredth of a voxel at the highest
+// automatic resolution.
+bool isFar(const TriangleMesh& mesh) {
+  if (mesh.vertices.empty()) return false;
+  const Box box = bounds(mesh);
+  return singleRounding(box) > kMostRounding * longestSide(box);
+}
 
 }  // namespace
 
 void writeMeshFile(FileSink& files, const fs::path& file, const SourceMesh& source,
                    MeshFileFormat format) {
   const SurfaceAttributes& attributes = source.mesh.attributes;
+  const bool isDouble = isFar(source.mesh);
   if (format == MeshFileFormat::ply && source.mesh.neighbor.empty() && attributes.empty()) {
-    return writePlainPly({files, file}, source.mesh);
+    return writePlainPly({files, file}, source.mesh, isDouble);
   }
   const MaterialTable table = materialTable(source.appearance);
   const std::string name = withoutBlanks(safeName(file.stem().string(), "mesh"));
-  const PieceMesh piece{name, source.mesh, attributes, table};
+  const PieceMesh piece{name, source.mesh, attributes, table, isDouble};
   if (format == MeshFileFormat::obj || format == MeshFileFormat::ply) {
     for (const MaterialTable::Image& image : table.textures) {
       writeBeside(files, file.parent_path() / image.file, image.bytes);
@@ -67,6 +83,12 @@ std::vector<std::string> lossesOf(const SourceMesh& source, MeshFileFormat forma
   if (bare && !attributes.normals.empty()) losses.push_back("normals of corners are left out");
   if (!source.mesh.neighbor.empty() && (bare || format == MeshFileFormat::obj)) {
     losses.push_back("neighbor ids of faces are left out");
+  }
+  if (!holdsDoubles(format) && isFar(source.mesh)) {
+    losses.push_back(
+        formatted("so far from the origin single precision moves points by up to %.2g "
+                  "units; .ply, .obj and text .stl hold double precision",
+                  singleRounding(bounds(source.mesh))));
   }
   for (const Texture& texture : appearance.textures) {
     if (format != MeshFileFormat::glb || imageType(texture.bytes) != ImageType::other) continue;

@@ -88,6 +88,12 @@ void writePiecePly(const OutputFile& file, const PieceMesh& piece);
 ///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
 void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
 
+/// Returns whether vertices can be written in double precision.
+[[nodiscard]] inline bool holdsDoubles(MeshFileFormat format) {
+  return format == MeshFileFormat::ply || format == MeshFileFormat::obj ||
+         format == MeshFileFormat::stlText;
+}
+
 /// Writes PLY, OBJ and binary glTF with vertices and triangles only.
 void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
 void writePlainObj(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
