@@ -31,9 +31,15 @@ double solidVolume(const FractureResult& result) {
   return sum;
 }
 
+// Returns the mesh's volume: that of the union of its bodies, where it was made, in which overlaps
+// count once.
+double meshVolume(const FractureResult& result) {
+  return result.united.mesh ? volume(result.united.mesh->mesh) : result.solid.report.meshVolume;
+}
+
 // Returns the relative difference of the solid's volume from the mesh's.
 double difference(const FractureResult& result) {
-  const double mesh = result.solid.report.meshVolume;
+  const double mesh = meshVolume(result);
   return mesh > 0.0 ? solidVolume(result) / mesh - 1.0 : 0.0;
 }
 
@@ -95,7 +101,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
   if (report.fill == Fill::shell) {
     json["shell_thickness"] = report.shellThickness;
   } else {
-    json["mesh_volume"] = report.meshVolume;
+    json["mesh_volume"] = meshVolume(result);
   }
   json["solid_volume"] = solidVolume(result);
   json["bridges"] = report.bridges;
@@ -149,9 +155,9 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
   }
 
   std::string volumes = "volume " + text(solidVolume(result));
-  if (report.meshVolume > 0.0) {
-    volumes += ", the mesh's own " + text(report.meshVolume) + " (" +
-               (difference(result) < 0.0 ? "-" : "+") + percent(std::abs(difference(result))) + ")";
+  if (const double own = meshVolume(result); own > 0.0) {
+    volumes += ", the mesh's own " + text(own) + " (" + (difference(result) < 0.0 ? "-" : "+") +
+               percent(std::abs(difference(result))) + ")";
   }
   if (report.walls.thinShare > 0.0) {
     volumes += "; walls thinner than a voxel behind " + percent(report.walls.thinShare) +
@@ -166,7 +172,7 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   const SolidReport& report = result.solid.report;
   if (std::abs(difference(result)) > kVolumesAgree) {
     warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
-                       ", the mesh's own " + text(report.meshVolume) +
+                       ", the mesh's own " + text(meshVolume(result)) +
                        "; overlaps count once, and walls thinner than a voxel are lost");
   }
   if (std::string united = unitedText(result.united); !united.empty()) {
