@@ -172,6 +172,7 @@ struct ManifestFragment {
   std::string vdb;                  ///< empty if none was written
   bool isOfVoxelFaces = false;      ///< the meshes are those of Surface::labels
   int split = 0;                    ///< that it comes from, 1..splits; 0: none
+  std::vector<int> bodies;          ///< of the input, of which it has triangles, ascending
 };
 
 /// The fields of a manifest that are read.  Every file named by a field is in `files`.
@@ -186,6 +187,7 @@ struct Manifest {
   std::uint64_t solidVoxels = 0;
   std::uint64_t components = 0;
   std::optional<glm::dvec3> offset;         ///< WriteOptions::offset
+  int bodies = 0;                           ///< of the input; 0: one, or not recorded
   std::vector<std::string> files;           ///< relative, below the manifest's folder
   std::string allVdb;                       ///< all fragments in one; empty if not written
   std::vector<ManifestFragment> fragments;  ///< [1..kMaxFragments], without withheld ones

@@ -136,6 +136,7 @@ Json inspectManifest(const fs::path& file) {
                 {"files", manifest.files.size()},
                 {"fragments", fragments}};
   if (manifest.offset) found["offset"] = jsonOf(*manifest.offset);
+  if (manifest.bodies > 0) found["bodies"] = manifest.bodies;
   return found;
 }
 

@@ -37,7 +37,9 @@
 #include "dataset/stored_object.h"
 #include "dataset/thumbnails.h"
 #include "folder/fracture_files.h"
+#include "folder/input_bodies.h"
 #include "folder/mesh_report.h"
+#include "folder/rounding.h"
 #include "folder/viewer_file.h"
 #include "folder/write_memory.h"
 #include "formats/arrays/npz.h"
@@ -59,7 +61,7 @@ struct Work {
   std::shared_ptr<StagedFiles> files;
   Json line;
   std::size_t fragments = 0;
-  std::string surfaceWarning;  // a clause, or empty
+  std::string surfaceWarning, crossingsWarning;  // a clause, or empty
 };
 
 class ObjectRun {
@@ -225,7 +227,8 @@ class ObjectRun {
     };
     const auto record = [&](const std::shared_ptr<Work>& work) {
       keep(std::move(work->files), std::move(work->line));
-      warnOfSurface(work->surfaceWarning);
+      warnOfFirst(work->surfaceWarning, hasWarnedOfSurface_);
+      warnOfFirst(work->crossingsWarning, hasWarnedOfCrossings_);
       run_.fractured(work->fragments);
     };
     using Mode = tbb::filter_mode;
@@ -236,9 +239,9 @@ class ObjectRun {
             tbb::make_filter<std::shared_ptr<Work>, void>(Mode::serial_in_order, record));
   }
 
-  // Warns once for an object.
-  void warnOfSurface(const std::string& warning) {
-    if (warning.empty() || std::exchange(hasWarned_, true)) return;
+  // Warns once for an object, of its first fracture that has the warning.
+  void warnOfFirst(const std::string& warning, bool& hasWarned) {
+    if (warning.empty() || std::exchange(hasWarned, true)) return;
     run_.warning(object_.file.string() + ": " + warning);
   }
 
@@ -292,14 +295,25 @@ class ObjectRun {
     line.addFragments(result, names.files, *work.files, options_.poses);
     making(*work.files,
            [&] { writeFiles(*work.files, names.files, options, growth->number, result); });
-    if (!names.manifest.empty()) {
-      OutputFile(*work.files, names.manifest)
-          .write(manifestText(*source_, options, result, meshFacts(result), names.files,
-                              options_.each.write));
-    }
+    record(work, result, options, names);
     work.fragments = result.kept();
     work.line = line.json();
     run_.times.add("write", secondsSince(begin) - work.files->packing());
+  }
+
+  // Writes the manifest, if the layout has one, and finds triangles that cross each other in files
+  // of single precision.
+  void record(Work& work, const FractureResult& result, const FractureOptions& options,
+              const NamedFiles& names) const {
+    const WriteOptions& write = options_.each.write;
+    const bool mayCross = isInWorld() && isExact(options, result) && writesFloats(write);
+    if (names.manifest.empty() && !mayCross) return;
+    const InputBodies bodies = inputBodies(result, options);
+    const std::vector<MeshFacts> facts = meshFacts(result, bodies);
+    if (mayCross) work.crossingsWarning = crossingsWarning(facts, write);
+    if (names.manifest.empty()) return;
+    OutputFile(*work.files, names.manifest)
+        .write(manifestText(*source_, options, result, facts, bodies, names.files, write));
   }
 
   // An HDF5 file has one mesh of each fragment: the decimated one, if there is one.
@@ -450,7 +464,7 @@ class ObjectRun {
   const FractureWriter* writer_ = nullptr;
   std::map<std::string, int> done_;  // attempt of each finished fracture, by name
   std::uint64_t memory_ = 0;
-  bool hasWarned_ = false;  // of a surface that is not exact
+  bool hasWarnedOfSurface_ = false, hasWarnedOfCrossings_ = false;
   mutable std::mutex warnedMutex_;
   mutable std::set<std::string> warned_;
 };

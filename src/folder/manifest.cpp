@@ -122,8 +122,15 @@ std::vector<Json> seedPositions(const FractureResult& result) {
   return positions;
 }
 
+Json bodiesJson(const SourceMesh& source, const InputBodies& bodies) {
+  Json json = {{"input", bodies.count}, {"united", bodies.united}};
+  const std::vector<std::vector<std::string>> objects = bodies.objects(source);
+  if (!objects.empty()) json["objects"] = objects;
+  return json;
+}
+
 Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const FractureResult& result,
-                  Json seeds, Json files) {
+                  bool hasBodies, Json seeds, Json files) {
   const glm::dmat3& m = fragment.mass.inertia;
   Json json = {
       {"id", fragment.id},
@@ -144,6 +151,7 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
       {"files", std::move(files)},
       {"contacts", contactsJson(fragment, facts.boundaryLengths)}};
   if (facts.roundedCrossings) json["rounded_crossings"] = *facts.roundedCrossings;
+  if (hasBodies) json["bodies"] = facts.bodies;
   return json;
 }
 
@@ -193,6 +201,17 @@ Json decimatedJson(const Fragment& fragment, const std::vector<std::size_t>& ask
   return meshes;
 }
 
+// The files of one fragment.
+Json filesJson(const FractureFiles& files, std::size_t i) {
+  Json own = Json::object();
+  if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
+  if (!files.mesh.empty()) own["mesh"] = pathsJson(files.mesh[i]);
+  if (!files.points.empty()) own["points"] = pathsJson(files.points[i]);
+  if (!files.sdf.empty()) own["sdf"] = files.sdf[i];
+  if (!files.proxy.empty()) own["proxy"] = files.proxy[i];
+  return own;
+}
+
 // Adds the files that hold all fragments or the intact solid, and the list of all files.
 void addFiles(Json& manifest, const FractureFiles& files) {
   Json solid = Json::object();
@@ -240,13 +259,14 @@ std::vector<std::string> FractureFiles::all() const {
   return list;
 }
 
-std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments) {
+std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments, const InputBodies& bodies) {
   std::vector<MeshFacts> facts(fragments.size());
   tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {
     facts[i] = {bounds(fragments[i].mesh),
                 lengthsOf(boundaryLoops(fragments[i]), fragments[i].mesh.vertices)};
     if (fragments[i].meshedAs == Surface::exact) {
       facts[i].roundedCrossings = roundedCrossings(fragments[i].mesh);
+      facts[i].bodies = bodies.of(fragments[i].mesh);
     }
   });
   return facts;
@@ -261,15 +281,14 @@ std::vector<MeshFacts> meshFacts(const FragmentSurfaces& surfaces) {
   return facts;
 }
 
-std::vector<MeshFacts> meshFacts(const FractureResult& result) {
-  return result.surfaces ? meshFacts(*result.surfaces) : meshFacts(result.fragments);
+std::vector<MeshFacts> meshFacts(const FractureResult& result, const InputBodies& bodies) {
+  return result.surfaces ? meshFacts(*result.surfaces) : meshFacts(result.fragments, bodies);
 }
 
 std::string crossingsWarning(std::span<const MeshFacts> facts, const WriteOptions& write) {
   std::size_t crossings = 0;
   for (const MeshFacts& own : facts) crossings += own.roundedCrossings.value_or(0);
-  const bool isSingle = write.mesh && write.precision == Precision::single;
-  if (crossings == 0 || (!isSingle && !hasFloatFormat(write))) return {};
+  if (crossings == 0 || !writesFloats(write)) return {};
   return std::to_string(crossings) +
          (crossings == 1 ? " pair of triangles crosses" : " pairs of triangles cross") +
          " each other where files of single precision round their vertices; .ply and .obj with the "
@@ -278,7 +297,8 @@ std::string crossingsWarning(std::span<const MeshFacts> facts, const WriteOption
 
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                          const FractureResult& result, std::span<const MeshFacts> facts,
-                         const FractureFiles& files, const WriteOptions& write) {
+                         const InputBodies& bodies, const FractureFiles& files,
+                         const WriteOptions& write) {
   const bool isRefracture = !result.parents.empty();
   Json manifest = {{"schema", kManifestSchema},
                    {"source", sourceJson(source, isRefracture)},
@@ -298,6 +318,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     manifest["rounding"] = {{"files", rounding.files}, {"length", rounding.length}};
   }
   manifest["components"] = result.components;
+  if (bodies.count > 0) manifest["bodies"] = bodiesJson(source, bodies);
   if (result.sizeError > 0.0) manifest["size_error"] = result.sizeError;
   manifest["effective_number"] = effectiveNumber(result);
   manifest["small_components"] = {{"count", result.solid.smallComponents},
@@ -309,21 +330,15 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   if (isSplit) manifest["splits"] = splitsJson(result, parents);
   std::vector<Json> seeds = seedPositions(result);
   for (std::size_t i = 0; i < result.fragments.size(); ++i) {
-    Json own = Json::object();
-    if (i >= result.kept()) {
-      Json fragment =
-          fragmentJson(result.fragments[i], facts[i], result, std::move(seeds[i]), std::move(own));
+    const bool isKept = i < result.kept();
+    Json fragment =
+        fragmentJson(result.fragments[i], facts[i], result, bodies.count > 0, std::move(seeds[i]),
+                     isKept ? filesJson(files, i) : Json::object());
+    if (!isKept) {
       if (isSplit) fragment["split"] = parents.ofFragment[i];
       manifest["withheld"].push_back(std::move(fragment));
       continue;
     }
-    if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
-    if (!files.mesh.empty()) own["mesh"] = pathsJson(files.mesh[i]);
-    if (!files.points.empty()) own["points"] = pathsJson(files.points[i]);
-    if (!files.sdf.empty()) own["sdf"] = files.sdf[i];
-    if (!files.proxy.empty()) own["proxy"] = files.proxy[i];
-    Json fragment =
-        fragmentJson(result.fragments[i], facts[i], result, std::move(seeds[i]), std::move(own));
     if (!files.coarse.empty()) {
       fragment["decimated"] =
           decimatedJson(result.fragments[i], options.surface.triangles, files.coarse[i]);

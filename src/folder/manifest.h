@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "folder/input_bodies.h"
+
 namespace sherd {
 
 /// The files of a fracture, relative to its folder; empty where not written.
@@ -51,16 +53,20 @@ struct MeshFacts {
   Box box;
   std::map<int, double> boundaryLengths;          ///< of contacts by neighbor id, world units
   std::optional<std::size_t> roundedCrossings{};  ///< of an exact mesh
+  std::vector<std::uint32_t> bodies{};            ///< InputBodies::of it
 };
 
 /// Returns [fragments] the metrics of each mesh.
-[[nodiscard]] std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments);
+///   bodies  of the input
+[[nodiscard]] std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments,
+                                               const InputBodies& bodies = {});
 
 /// The same of surfaces.
 [[nodiscard]] std::vector<MeshFacts> meshFacts(const FragmentSurfaces& surfaces);
 
 /// The same of a fracture: of its surfaces, or where these are null, of its meshes.
-[[nodiscard]] std::vector<MeshFacts> meshFacts(const FractureResult& result);
+[[nodiscard]] std::vector<MeshFacts> meshFacts(const FractureResult& result,
+                                               const InputBodies& bodies);
 
 /// Returns a sentence about triangles that cross each other in files of single precision; empty if
 /// there are none, or no such files.
@@ -69,10 +75,11 @@ struct MeshFacts {
 
 /// Returns the manifest's text.  It has no times or machine names, and its numbers round-trip, so
 /// equal fractures give equal bytes.  The fragments' meshes and level sets are not used.
-///   facts  [fragments] as returned by meshFacts
+///   facts   [fragments] as returned by meshFacts
+///   bodies  of the input
 [[nodiscard]] std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                                        const FractureResult& result,
-                                       std::span<const MeshFacts> facts, const FractureFiles& files,
-                                       const WriteOptions& write);
+                                       std::span<const MeshFacts> facts, const InputBodies& bodies,
+                                       const FractureFiles& files, const WriteOptions& write);
 
 }  // namespace sherd

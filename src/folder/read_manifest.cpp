@@ -149,6 +149,23 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   return fragment;
 }
 
+/// The bodies of the input that fragments have triangles of; fragments are read.
+void readBodies(Manifest& manifest, const Json& json) {
+  constexpr int kMostBodies = std::numeric_limits<int>::max();
+  manifest.bodies = wholeIn(field(json["bodies"], "input", "its \"bodies\""), 1, kMostBodies,
+                            "the number of its bodies");
+  for (ManifestFragment& fragment : manifest.fragments) {
+    const std::string where = "fragment " + std::to_string(fragment.id);
+    const Json& own = json["fragments"][static_cast<std::size_t>(fragment.id - 1)];
+    const Json& bodies = field(own, "bodies", where);
+    if (!bodies.is_array()) damaged(where + "'s \"bodies\" is not a list");
+    for (const Json& body : bodies) {
+      const int least = fragment.bodies.empty() ? 0 : fragment.bodies.back() + 1;
+      fragment.bodies.push_back(wholeIn(body, least, manifest.bodies - 1, "a body of " + where));
+    }
+  }
+}
+
 /// The splits that splits come from; fragments are read.
 void readSplits(Manifest& manifest, const Json& splits) {
   if (!splits.is_array() || splits.size() > kMaxFragments) {
@@ -202,6 +219,7 @@ Manifest manifestOf(const Json& json) {
     const int id = static_cast<int>(manifest.fragments.size()) + 1;
     manifest.fragments.push_back(fragmentOf(fragment, id, names));
   }
+  if (json.contains("bodies")) readBodies(manifest, json);
   readSplits(manifest, json.value("splits", Json::array()));
   return manifest;
 }

@@ -25,6 +25,11 @@ namespace sherd {
 /// Returns whether meshes are written in a format that holds no doubles.
 [[nodiscard]] bool hasFloatFormat(const WriteOptions& write);
 
+/// Returns whether meshes are written in single precision, whatever they are of.
+[[nodiscard]] inline bool writesFloats(const WriteOptions& write) {
+  return write.mesh && (write.precision == Precision::single || hasFloatFormat(write));
+}
+
 /// The files in which single precision moves points by more than kMostRoundingVoxels.
 struct Rounding {
   std::vector<std::string> files;  ///< kinds: ".glb", "points"; empty if there are none

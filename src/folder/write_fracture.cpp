@@ -21,22 +21,25 @@ namespace fs = std::filesystem;
 
 // Makes and writes fragments in alternating batches, and frees what is not needed afterwards.
 //   result  receives the fragments; their number is final
-std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOptions& surface,
+//   bodies  receives the input's
+std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const FractureOptions& options,
                                     const WriteOptions& write, FractureResult& result,
-                                    FractureWriting& writing, StageClock& clock,
-                                    const Progress* progress) {
+                                    InputBodies& bodies, FractureWriting& writing,
+                                    StageClock& clock, const Progress* progress) {
+  const SurfaceOptions& surface = options.surface;
   if (!surface.meshes) {
     measureFragments(grown, result, progress);
     clock.done("extract");
     writing.writeAll(progress);
     clock.done("write");
-    return meshFacts(result);
+    return meshFacts(result, bodies);
   }
   Extraction extraction(result.solid, result.labels, grown.extractOptions(surface), progress);
   result.exactFailure = extraction.exactFailure();
   result.united = extraction.united();
   result.surfaces = extraction.surfaces();
   result.unmerged = extraction.unmerged();
+  bodies = inputBodies(result, options);
   clock.done("extract");
   writing.begin(progress);
   clock.done("write");
@@ -46,7 +49,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const SurfaceOpt
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
     clock.done("extract");
     if (!result.surfaces) {
-      for (MeshFacts& own : meshFacts(some)) facts.push_back(std::move(own));
+      for (MeshFacts& own : meshFacts(some, bodies)) facts.push_back(std::move(own));
     }
     const std::size_t end = first + some.size();
     std::move(some.begin(), some.end(),
@@ -125,9 +128,11 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
     for (std::string& warning : writer.write(staged, files, options, result, progress)) {
       replacement.warn(std::move(warning));
     }
-    const std::vector<MeshFacts> facts = meshFacts(result);
+    const InputBodies bodies = inputBodies(result, options);
+    const std::vector<MeshFacts> facts = meshFacts(result, bodies);
     warnOfCrossings(replacement, facts, write);
-    writeWhole(staged / kManifestName, manifestText(source, options, result, facts, files, write));
+    writeWhole(staged / kManifestName,
+               manifestText(source, options, result, facts, bodies, files, write));
   });
   const Uncut whole;
   replacement.putInPlace();
@@ -153,11 +158,13 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
   FractureReplacement replacement(folder, files.all());
   replacement.write([&](const fs::path& staged) {
     FractureWriting writing(writer, staged, files, options, result);
+    InputBodies bodies;
     const std::vector<MeshFacts> facts =
-        makeAndWrite(grown, options.surface, write, result, writing, clock, progress);
+        makeAndWrite(grown, options, write, result, bodies, writing, clock, progress);
     for (std::string& warning : writing.finish(progress)) replacement.warn(std::move(warning));
     warnOfCrossings(replacement, facts, write);
-    writeWhole(staged / kManifestName, manifestText(source, options, result, facts, files, write));
+    writeWhole(staged / kManifestName,
+               manifestText(source, options, result, facts, bodies, files, write));
   });
   clock.done("write");
   result.times = clock.times();

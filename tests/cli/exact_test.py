@@ -125,6 +125,16 @@ class Exact(CommandLine):
         for more in (("--mesh-format", "ply,glb"), ("--precision", "single")):
             run = self.done(*options, *more, mesh=mesh, pieces=20)
             self.assertIn(f"warning: {crossings} pairs of triangles cross each other", run.stderr)
+        library = self.path("library")
+        os.mkdir(library)
+        os.rename(mesh, os.path.join(library, "tube.obj"))
+        for layout in ("sherd", "packed"):
+            for form, warnings in (("ply", 0), ("ply,glb", 1)):
+                with self.subTest((layout, form)):
+                    run = self.run_sherd("dataset", library, "-o", self.path(layout + form), "--pieces", "18..20", "--repeats", "1", "--surface", "exact", "--write", "mesh",
+                                         "--layout", layout, "--mesh-format", form)
+                    self.assertEqual(run.returncode, 0, run.stderr)
+                    self.assertEqual(run.stderr.count("pairs of triangles cross each other"), warnings, "once for each object")
 
     def test_both_sides_of_a_crack_have_the_same_faces(self):
         self.exact("--roughness", "1")
@@ -202,6 +212,7 @@ class Exact(CommandLine):
         manifest = self.manifest()
         self.assertNotIn("exact_failure", manifest)
         self.assertLess(abs(manifest["report"]["mesh_volume"] - expected), 1e-9 * expected)
+        self.assertEqual(manifest["bodies"], {"input": len(boxes), "united": 1})
         done = self.run_sherd("evaluate", self.out, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         found = json.loads(done.stdout)
@@ -225,6 +236,38 @@ class Exact(CommandLine):
                  for box in (((0.125, at, z), (1.875, at + 0.125, z + 0.25)), ((at, 0.125, z), (at + 0.125, 1.875, z + 0.25)))]
         # Two rails meet in each corner, within a post: a rail has a length of 1.5 between the posts.
         self.united(posts + rails, 12, 4 * 0.125 + 8 * 1.5 * 0.125 * 0.25, "--roughness", "1")
+
+    def test_the_manifest_gives_the_bodies_of_fragments(self):
+        """Of which they have faces: by the positions of these, on the surfaces of boxes."""
+        boxes = {"left": ((0, 0, 0), (2, 1, 1)), "right": ((1.75, 0.25, 0.25), (4, 1.25, 1.25)), "apart": ((0, 3, 0), (2, 4, 1))}
+        mesh = self.path("three.obj")
+        faces = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+        with open(mesh, "w") as out:
+            for i, (name, box) in enumerate(boxes.items()):
+                out.write(f"o {name}\n")
+                out.writelines("v %r %r %r\n" % tuple(box[c >> (2 - k) & 1][k] for k in range(3)) for c in range(8))
+                out.writelines("f %d %d %d %d\n" % tuple(8 * i + v for v in face) for face in faces)
+        self.exact("--plain-meshes", mesh=mesh, pieces=9)
+        manifest = self.manifest()
+        self.assertEqual(manifest["bodies"], {"input": 3, "united": 2, "objects": [["left"], ["right"], ["apart"]]})
+        inspected = json.loads(self.run_sherd("inspect", os.path.join(self.out, "manifest.json"), "--json").stdout)
+        self.assertEqual(inspected["bodies"], 3)
+        for fragment in manifest["fragments"]:
+            _, vertex, face = read_ply(os.path.join(self.out, fragment["files"]["mesh"]))
+            corners = columns(vertex, *"xyz")[face["vertex_indices"]]
+            found = []
+            for number, (low, high) in enumerate(np.array(list(boxes.values()), float)):
+                for k in range(3):
+                    flat = ((corners >= low) & (corners <= high)).all((1, 2))
+                    if any((flat & (corners[:, :, k] == side[k]).all(1)).any() for side in (low, high)):
+                        found.append(number)
+                        break
+            self.assertEqual(fragment["bodies"], found)
+        self.assertEqual({tuple(f["bodies"]) for f in manifest["fragments"]} & {(2,)}, {(2,)})
+        self.done(mesh=mesh, out=self.path("smooth"))
+        self.assertNotIn("bodies", self.manifest(self.path("smooth")))
+        self.exact(out=self.path("one"))
+        self.assertNotIn("bodies", self.manifest(self.path("one")))
 
     def test_open_meshes_get_the_smooth_surface_with_a_warning(self):
         vertices, triangles = sphere()

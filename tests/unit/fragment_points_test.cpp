@@ -248,7 +248,7 @@ TEST_F(FragmentPoints, FragmentsHaveTheMeasuresOfTheirMeshes) {
     ASSERT_EQ(both.bare.fragments.size(), both.meshed.fragments.size());
     ASSERT_NE(both.bare.surfaces, nullptr);
     const double size = longestSide(bounds(of.mesh));
-    const std::vector<MeshFacts> facts = meshFacts(both.bare),
+    const std::vector<MeshFacts> facts = meshFacts(both.bare, {}),
                                  expected = meshFacts(std::span(both.meshed.fragments));
     const std::vector<std::size_t> vertices = both.bare.surfaces->vertexCounts();
     const Labels& before = both.uneroded ? *both.uneroded : both.bare.labels;

@@ -27,7 +27,9 @@ class ManifestOptions : public DeviceTest {
 
   // The manifest of one fracture with these options: its text follows from them, whether or not the
   // fracture was made by them.
-  std::string text() const { return manifestText(source_, options_, result_, facts_, {}, write_); }
+  std::string text() const {
+    return manifestText(source_, options_, result_, facts_, {}, {}, write_);
+  }
 
   template <class Value>
   void expectRecorded(const char* name, Value& field, Value other) {
@@ -93,7 +95,6 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("sigma", sigma, 0.1);
   expectRecorded("bias", bias, 9);
   expectRecorded("merge", merge, true);
-
   auto& [sizes, sizeParameter, minShare, balance, tries] = shares;
   expectRecorded("minShare", minShare, 0.01);
   expectRecorded("balance", balance, 2);

@@ -50,6 +50,29 @@ std::string refusal(const char* place, const Json& value) {
   return "";
 }
 
+TEST(ReadManifest, BodiesAreNumbersOfTheInputs) {
+  Json json = twoFragments();
+  json["bodies"] = {{"input", 3}, {"united", 2}};
+  json["fragments"][0]["bodies"] = {0, 2};
+  json["fragments"][1]["bodies"] = Json::array();
+  const Manifest manifest = manifestOf(json);
+  EXPECT_EQ(manifest.bodies, 3);
+  EXPECT_EQ(manifest.fragments[0].bodies, (std::vector<int>{0, 2}));
+  EXPECT_TRUE(manifest.fragments[1].bodies.empty());
+  for (const Json& bad :
+       {Json(3), Json({3}), Json({-1}), Json({1, 1}), Json({2, 0}), Json({0.5})}) {
+    json["fragments"][0]["bodies"] = bad;
+    EXPECT_THROW((void)manifestOf(json), Error) << bad;
+  }
+  json["fragments"][0].erase("bodies");
+  EXPECT_THROW((void)manifestOf(json), Error);
+  for (const Json& bad : {Json(3), Json::object(), Json({{"input", 0}}), Json({{"input", "x"}})}) {
+    json = twoFragments();
+    json["bodies"] = bad;
+    EXPECT_THROW((void)manifestOf(json), Error) << bad;
+  }
+}
+
 TEST(ReadManifest, GivesWhatIsThere) {
   const Manifest manifest = manifestOf(twoFragments());
   EXPECT_EQ(manifest.source, "vase.obj");
