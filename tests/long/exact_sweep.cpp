@@ -7,9 +7,11 @@
 #include <openvdb/openvdb.h>
 #include <sherd/sherd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <random>
 #include <string>
@@ -20,6 +22,7 @@
 #include "exact_checks.h"
 #include "mesh/repair.h"
 #include "shapes.h"
+#include "surface/bodies.h"
 
 namespace {
 
@@ -29,8 +32,9 @@ using namespace sherd;
 struct Input {
   std::string name;
   TriangleMesh mesh;
-  TriangleMesh clean;  // repaired
+  TriangleMesh clean{};  // repaired
   bool crossesItself = false;
+  double unionVolume = 0.0;  // of several bodies; 0: one surface
 };
 
 Input inputOf(std::string name, TriangleMesh mesh) {
@@ -81,6 +85,101 @@ TriangleMesh randomShape(std::mt19937_64& random, std::string& name) {
   }
 }
 
+TriangleMesh boxAt(const glm::dvec3& low, const glm::dvec3& sides) {
+  return shapes::transformed(shapes::box(sides), 1.0, low + sides / 2.0);
+}
+
+// A row or a wall of equal boxes.
+TriangleMesh boxes(const glm::dvec3& sides, const glm::dvec3& gap, const glm::ivec3& count) {
+  TriangleMesh all;
+  for (int i = 0; i < count.x * count.y * count.z; ++i) {
+    const glm::dvec3 cell(i % count.x, i / count.x % count.y, i / count.x / count.y);
+    all = shapes::append(all, boxAt(cell * (sides + gap), sides));
+  }
+  return all;
+}
+
+TriangleMesh turned(TriangleMesh mesh, std::mt19937_64& random) {
+  const glm::dquat turn =
+      glm::normalize(glm::dquat(uniform(random, 0.1, 1), uniform(random, -1, 1),
+                                uniform(random, -1, 1), uniform(random, -1, 1)));
+  for (glm::dvec3& v : mesh.vertices) v = turn * v;
+  return mesh;
+}
+
+// Bodies that touch, overlap, lie within each other, or have gaps of 0.01 to 2 voxels, with the
+// volume of their union.
+Input randomBodies(std::mt19937_64& random, int resolution) {
+  const double a = uniform(random, 0.1, 0.9), b = uniform(random, 0.1, 0.9);
+  const double voxel = 3.0 / resolution;
+  const double gap = voxel * std::exp(uniform(random, std::log(0.01), std::log(2.0)));
+  const TriangleMesh unit = boxAt({0, 0, 0}, {1, 1, 1});
+  switch (whole(random, 0, 9)) {
+    case 0:
+      return {.name = "near boxes",
+              .mesh = turned(boxes({1, 1, 1}, glm::dvec3(gap), {3, 2, 1}), random),
+              .unionVolume = 6.0};
+    case 1:
+      return {.name = "near cards",
+              .mesh = turned(boxes({3, 3, 3 * voxel}, {0, 0, gap}, {1, 1, 5}), random),
+              .unionVolume = 5 * 27 * voxel};
+    case 2:
+      return {.name = "a ball in a hollow one",
+              .mesh = shapes::append(shapes::hollowBall(1.5, 1.1, 3), shapes::ball(1.1 - gap, 3)),
+              .unionVolume =
+                  volume(shapes::hollowBall(1.5, 1.1, 3)) + volume(shapes::ball(1.1 - gap, 3))};
+    case 3:
+      return {.name = "touching boxes",
+              .mesh = boxes({1, 0.5, a}, {0, 0, 0}, {3, 2, 2}),
+              .unionVolume = 6 * a};
+    case 4:
+      return {.name = "overlapping boxes",
+              .mesh = turned(shapes::append(unit, boxAt({a, b, 0.5 * a}, {1, 1, 1})), random),
+              .unionVolume = 2.0 - (1 - a) * (1 - b) * (1 - 0.5 * a)};
+    case 5:
+      return {
+          .name = "a leg on a seat",
+          .mesh = shapes::append(boxAt({0, 0, 1}, {2, 2, 0.3}), boxAt({a, b, 0}, {0.4, 0.4, 1})),
+          .unionVolume = 1.2 + 0.16};
+    case 6:
+      return {.name = "a box within another",
+              .mesh = turned(shapes::append(unit, boxAt(glm::dvec3(0.3 * a), glm::dvec3(0.6 * b))),
+                             random),
+              .unionVolume = 1.0};
+    case 7:
+      return {.name = "equal boxes", .mesh = shapes::append(unit, unit), .unionVolume = 1.0};
+    case 8:
+      return {.name = "boxes at an edge",
+              .mesh = shapes::append(unit, boxAt({1, 1, 0}, {1, 1, 1})),
+              .unionVolume = 2.0};
+    default:
+      return {.name = "boxes at a vertex",
+              .mesh = shapes::append(unit, boxAt({1, 1, 1}, {1, 1, 1})),
+              .unionVolume = 2.0};
+  }
+}
+
+// What is wrong with the fragments of bodies: each is one body, and all are the union.
+//   isWorn  whether cracks were eroded, which takes volume away
+std::string faultsOfBodies(const Input& input, const std::vector<Fragment>& fragments,
+                           bool isWorn) {
+  double sum = 0.0;
+  std::string faults;
+  for (const Fragment& fragment : fragments) {
+    const TriangleMesh& mesh = fragment.mesh;
+    const std::string id = "fragment " + std::to_string(fragment.id);
+    if (openEdges(mesh) > 0) faults += id + " is open; ";
+    if (nonManifoldEdges(mesh) > 0) faults += id + " is not manifold; ";
+    if (bodiesOf(mesh).size() != 1) faults += id + " is several bodies; ";
+    if (!selfCrossings(mesh.vertices, mesh.triangles).empty()) faults += id + " crosses itself; ";
+    sum += volume(mesh);
+  }
+  if (!isWorn && !(std::abs(sum - input.unionVolume) <= 1e-9 * input.unionVolume)) {
+    faults += "the volume is " + std::to_string(sum) + " of " + std::to_string(input.unionVolume);
+  }
+  return faults;
+}
+
 FractureOptions randomOptions(std::mt19937_64& random) {
   FractureOptions options;
   options.surface = {.levelSets = false, .surface = Surface::exact};
@@ -115,6 +214,12 @@ void breakOne(const Input& input, const FractureOptions& options, Device& device
       ++tally.reasons[result.exactFailure];
       return;
     }
+    if (input.unionVolume > 0.0) {
+      const std::string faults =
+          faultsOfBodies(input, result.fragments, !options.erode.iterations.isZero());
+      if (!faults.empty()) fault(faults);
+      return;
+    }
     ExactFaults faults =
         exactFaults(input.clean, result.fragments, !options.erode.iterations.isZero());
     if (input.crossesItself) faults.selfCrossings = 0;
@@ -139,7 +244,10 @@ int main(int argc, char** argv) {
   std::map<std::string, Tally> tallies;
   for (int i = 0; i < count; ++i) {
     const FractureOptions options = randomOptions(random);
-    if (!meshes.empty() && i % 2 == 0) {
+    if (i % 3 == 0) {
+      const Input input = randomBodies(random, options.solid.resolution);
+      breakOne(input, options, device, tallies[input.name]);
+    } else if (!meshes.empty() && i % 3 == 1) {
       const Input& input =
           meshes[static_cast<std::size_t>(whole(random, 0, static_cast<int>(meshes.size()) - 1))];
       breakOne(input, options, device, tallies[input.name]);
