@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
+#include <limits>
 
 #include "base/cancel_flag.h"
 #include "mesh/boxes.h"
@@ -22,6 +24,18 @@ constexpr double kNear = kHalfWidthVoxels;
 constexpr std::size_t kMostInALeaf = 256;
 
 constexpr std::size_t kPairsAtOnce = std::size_t{1} << 22;  // are sorted
+
+// Returns [components] their boxes.
+std::vector<Box> boxesOf(const TriangleTree& tree, const MeshComponents& components) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<Box> boxes(components.count, {glm::dvec3(kInfinity), glm::dvec3(-kInfinity)});
+  for (std::size_t i = 0; i < components.ofTriangle.size(); ++i) {
+    const Box own = boxOf(tree.corners(i));
+    Box& box = boxes[components.ofTriangle[tree.source(i)]];
+    box = {glm::min(box.min, own.min), glm::max(box.max, own.max)};
+  }
+  return boxes;
+}
 
 }  // namespace
 
@@ -58,6 +72,7 @@ void VoxelOwners::findNear(const Progress* progress) {
     own.erase(std::unique(own.begin(), own.end()), own.end());
   });
   stop.throwIfSet();
+  const std::vector<Box> boxes = boxesOf(tree_, components_);
   const auto sortPairs = [&] {
     std::sort(nearPairs_.begin(), nearPairs_.end());
     nearPairs_.erase(std::unique(nearPairs_.begin(), nearPairs_.end()), nearPairs_.end());
@@ -67,7 +82,10 @@ void VoxelOwners::findNear(const Progress* progress) {
     near_.push_back(own.empty() ? kNone : own.size() == 1 ? own.front() : kSeveral);
     areTooMany_ = areTooMany_ || own.size() > kMostInALeaf;
     for (std::size_t i = 0; i < own.size() && !areTooMany_; ++i) {
-      for (std::size_t k = i + 1; k < own.size(); ++k) nearPairs_.push_back({own[i], own[k]});
+      const Box reach = widened(boxes[own[i]], kNear);
+      for (std::size_t k = i + 1; k < own.size(); ++k) {
+        if (meet(reach, boxes[own[k]])) nearPairs_.push_back({own[i], own[k]});
+      }
     }
     if (nearPairs_.size() < enough) continue;
     throwIfCancelled(progress);

@@ -159,7 +159,7 @@ TEST_F(BodyLayers, BodiesThatTouchOverlapOrLieWithinEachOtherAreOne) {
 
 // Where no voxels of different bodies lie side by side, layers change nothing.
 TEST_F(BodyLayers, GrowthIsThatOfOneLayerWhereBodiesAreFarEnoughApart) {
-  const Solid layered = voxelize(joined(bricks(2.5)), {.voxelSize = 0.5});
+  const Solid layered = voxelize(joined(bricks(1.2)), {.voxelSize = 0.5});
   ASSERT_GT(layered.blocks->layers.size(), 0u);
   Solid plain = layered;
   LeafBlocks blocks = *layered.blocks;
