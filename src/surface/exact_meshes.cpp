@@ -174,23 +174,21 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const SolidMesh
   return all;
 }
 
-// Whether vertices of a mesh that is manifold have one position: sheets touch there.
+// Whether edges of a mesh, at equal positions, have more than two triangles.
 bool touchesItself(const TriangleMesh& mesh) {
+  TriangleMesh merged{mesh.vertices, mesh.triangles};
   const std::vector<std::uint32_t> first = firstAtPosition(mesh.vertices);
-  for (std::uint32_t v = 0; v < first.size(); ++v) {
-    if (first[v] != v) return true;
-  }
-  return false;
+  for (glm::uvec3& t : merged.triangles) t = {first[t.x], first[t.y], first[t.z]};
+  return edgeDefects(merged).nonManifold > 0;
 }
 
-// The cut of united bodies, or a failure: bodies that touch along edges or at
-// vertices may have fragments that do.
+// The cut of united bodies, or a failure: bodies that touch along edges may have fragments that do.
 ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united) {
   if (!surface.failure.empty()) return surface;
   for (std::size_t i = 0; united.mesh != nullptr && i < surface.meshes.size(); ++i) {
     if (!touchesItself(surface.meshes[i].mesh)) continue;
-    return {.failure =
-                "fragment " + std::to_string(i + 1) + " of the united bodies touches itself"};
+    return {.failure = "fragment " + std::to_string(i + 1) +
+                       " of the united bodies touches itself along an edge"};
   }
   surface.united = united;
   return surface;

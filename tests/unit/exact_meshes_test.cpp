@@ -198,7 +198,7 @@ TEST(Exact, AUnionThatTouchesItselfFallsBack) {
       shapes::append(brick({0, 0, 0}, {1, 1, 1}), brick({1, 1, 0}, {1, 1, 1}));
   const TriangleMesh mesh = shapes::append(cubes, brick({0, 0, -0.5}, {2, 2, 0.6}));
   const FractureResult result = broken(mesh, exactOptions(1, 40));
-  EXPECT_EQ(result.exactFailure, "fragment 1 of the united bodies touches itself");
+  EXPECT_EQ(result.exactFailure, "fragment 1 of the united bodies touches itself along an edge");
   EXPECT_EQ(nonManifoldEdges(result.fragments[0].mesh), 0u);
 }
 
