@@ -135,6 +135,7 @@ LeafBlocks blocksOf(const FinishedFracture& finished, int id) {
     }
   }
   blocks.exteriorBand.assign(blocks.exteriorBand.size(), 0);
+  blocks.layers.clear();  // a fragment is of one body
   return blocks;
 }
 

@@ -149,7 +149,7 @@ void setSources(ExactSurface& surface, std::span<const std::uint32_t> source) {
 // Cuts a mesh, one layer after the other.  A fragment is in one layer.
 ExactSurface cutLayers(const Solid& solid, const Labels& labels, const SolidMesh& mesh,
                        std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
-  if (solid.blocks->layers.empty()) {
+  if (mesh.layer.empty()) {
     ExactSurface surface =
         cutLayer(solid, labels, mesh.mesh, insideOf(solid), neighborhoods, progress);
     setSources(surface, mesh.source);

@@ -202,6 +202,24 @@ TEST_F(BodyLayers, AFragmentIsOfOneBody) {
   }
 }
 
+TEST_F(BodyLayers, FragmentsBreakAgainByThemselves) {
+  const FractureResult first =
+      fracture(voxelize(joined(bricks(0.01)), {.voxelSize = 0.5}), {.pieces = 6}, device());
+  FinishedFracture finished;
+  finished.solid = first.solid;
+  finished.labels = first.labels;
+  const std::vector<int> only{1, 4};
+  const FractureResult again = refracture(finished, only, {.pieces = 3}, device());
+  const std::vector<std::uint64_t> before = countVoxels(first.labels);
+  const std::vector<std::uint64_t> after = countVoxels(again.labels);
+  ASSERT_EQ(again.parents.size(), 10u);
+  std::vector<std::uint64_t> ofParent(7, 0);
+  for (std::size_t i = 0; i < again.parents.size(); ++i) {
+    ofParent[static_cast<std::size_t>(again.parents[i])] += after[i + 1];
+  }
+  for (std::size_t id = 1; id < ofParent.size(); ++id) EXPECT_EQ(ofParent[id], before[id]);
+}
+
 TEST_F(BodyLayers, CracksAloneErode) {
   FractureOptions options{.pieces = 6, .solid = {.voxelSize = 1.0}};
   options.erode = {.iterations = 2.0, .on = ErodeOn::fracture};
