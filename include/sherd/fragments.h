@@ -32,8 +32,8 @@ enum class Surface {
            ///< or a corner, each sheet has its own vertices, 1/64 voxel apart, so the mesh is edge-
            ///< and vertex-manifold and stays so if a program merges equal vertices.
   exact    ///< the input's own triangles, cut by the cracks: outside the cracks every vertex and
-           ///< triangle stays as it is, bit for bit.  Needs Solid::mesh, closed; where it does not
-           ///< succeed, all fragments get Surface::smooth
+           ///< triangle stays as it is, bit for bit.  Needs Solid::mesh, whose holes are closed by
+           ///< faces of their own; where it does not succeed, all fragments get Surface::smooth
 };
 
 /// How the surface between two fragments is meshed with Surface::smooth.

@@ -79,7 +79,7 @@ struct TriangleMesh {
   std::vector<std::uint16_t> neighbor{};
   SurfaceAttributes attributes{};  ///< arrays of [m], each may be empty
   /// [m] for Surface::exact: index of the input's triangle that a triangle is, or is a part of;
-  /// kNoSource on fracture surfaces; empty: unknown
+  /// kNoSource on fracture surfaces and where a hole was closed; empty: unknown
   std::vector<std::uint32_t> source{};
 
   static constexpr std::uint32_t kNoSource = 0xffffffffu;

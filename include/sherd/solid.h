@@ -223,17 +223,26 @@ class SolidRegion;
 struct SolidMesh {
   TriangleMesh mesh;  ///< world units, with the vertices of the input, without attributes; oriented
                       ///< outwards where that is possible
-  std::vector<std::uint32_t> source;   ///< [triangles] index in the input
+  std::vector<std::uint32_t> source;   ///< [triangles] index in the input; TriangleMesh::kNoSource
+                                       ///< of faces that close holes
   std::vector<std::uint16_t> layer{};  ///< [triangles] of their bodies, see LeafBlocks::layers;
                                        ///< empty: all in layer 0
 };
 
-/// The mesh that Surface::exact has where bodies of the input overlap, touch or cross themselves:
-/// their union.
+/// Holes of the input that Surface::exact closes by faces of their own.
+struct ClosedHoles {
+  std::size_t holes = 0;  ///< boundary loops
+  std::size_t faces = 0;  ///< triangles that close them, before cracks cut these
+  double area = 0.0;      ///< of the faces, world units
+};
+
+/// The mesh that Surface::exact has where it is not the input's: with its holes closed, and with
+/// bodies that overlap, touch or cross themselves united.
 struct UnitedBodies {
-  std::size_t before = 0;                   ///< bodies of the input
+  std::size_t before = 0;                   ///< bodies of the input; 0 if none had to be united
   std::size_t after = 0;                    ///< bodies of the union
-  std::shared_ptr<const SolidMesh> mesh{};  ///< null if there is nothing to unite
+  ClosedHoles closed{};                     ///< of the input
+  std::shared_ptr<const SolidMesh> mesh{};  ///< null if it is the input's
 };
 
 /// A solid, read-only once returned.

@@ -10,7 +10,7 @@ namespace sherd {
 std::vector<std::int32_t> sourceFaces(const TriangleMesh& mesh, const SourceMesh& source,
                                       const AttributeSource& triangles, const Solid& solid) {
   const std::vector<std::uint32_t> found = triangles.trianglesOf(mesh);
-  // An exact surface has no triangles but those of the input and of cracks.
+  // The triangles of an exact surface have their sources.
   const SolidRegion* const region = mesh.source.empty() ? solid.region.get() : nullptr;
   std::vector<std::int32_t> out(found.size(), kNoSourceFace);
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t t) {

@@ -34,19 +34,20 @@ class AttributeSource {
   /// source; all others get kInsideColor, texture coordinates 0 and the material index `inside`.
   ///
   /// With TriangleMesh::source a face gets them from the triangle that it is a part of: at that
-  /// triangle's own corners the same, else interpolated.  Texture coordinates of fracture surfaces
-  /// are projected then, along the coordinate axis that is nearest to the face's normal: one is one
-  /// world unit.
+  /// triangle's own corners the same, else interpolated.  Faces without one are fracture surfaces,
+  /// or close holes: texture coordinates of both are projected then, along the coordinate axis that
+  /// is nearest to the face's normal: one is one world unit.
   ///
   /// Only with TriangleMesh::source are normals transferred: flipped where the face is, and of unit
-  /// length between the corners.  Those of fracture surfaces are 0, for writers to compute.
+  /// length between the corners.  Those of faces without a source are 0, for writers to compute.
   ///   return  the same arrays as the source has
   ///   cost    triangles * log(the source's triangles)
   [[nodiscard]] SurfaceAttributes transferTo(const TriangleMesh& mesh, std::uint32_t inside) const;
 
   /// Returns the source's triangle of each face: with TriangleMesh::source the one that it is a
   /// part of, else the one of whose chart its attributes are.  Precondition: findsTriangles.
-  ///   return  [triangles] TriangleMesh::kNoSource for those of fracture surfaces
+  ///   return  [triangles] TriangleMesh::kNoSource for those of fracture surfaces, and of an exact
+  ///           surface where a hole was closed
   [[nodiscard]] std::vector<std::uint32_t> trianglesOf(const TriangleMesh& mesh) const;
 
  private:

@@ -73,14 +73,21 @@ std::string titleOf(const SourceMesh& source) {
 }  // namespace
 
 std::string unitedText(const UnitedBodies& united) {
-  if (united.mesh == nullptr) return {};
+  std::string text;
+  if (united.closed.holes > 0) {
+    text = counted(united.closed.holes, "hole") + (united.closed.holes == 1 ? " was" : " were") +
+           " closed " +
+           (united.closed.faces > 0 ? "by " + counted(united.closed.faces, "face")
+                                    : "within other bodies");
+  }
+  const std::string between = text.empty() ? "" : "; ";
   if (united.before != united.after) {
-    return std::to_string(united.before) +
+    return text + between + std::to_string(united.before) +
            " bodies, of which some overlap or touch, were united to " +
            std::to_string(united.after);
   }
-  if (united.before > 1) return {};  // they touch where that does not connect them
-  return "its surface crosses itself; what lies within it was left out";
+  if (united.before != 1) return text;  // none, or they touch where that does not connect them
+  return text + between + "its surface crosses itself; what lies within it was left out";
 }
 
 nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {
@@ -104,6 +111,10 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
     json["mesh_volume"] = meshVolume(result);
   }
   json["solid_volume"] = solidVolume(result);
+  if (const ClosedHoles& closed = result.united.closed; closed.holes > 0) {
+    json["closed_holes"] = {
+        {"holes", closed.holes}, {"faces", closed.faces}, {"area", closed.area}};
+  }
   json["bridges"] = report.bridges;
   json["near_bodies"] = report.nearBodies;
   json["resolution"] = {{"used", report.resolution.resolution},

@@ -327,7 +327,8 @@ const Row kSurfaceRows[]{
                 "fragment, as in the paper; or "
                 "the triangles of the input, which stay as they are where no crack cuts them: "
                 "sharp edges, normals, texture coordinates, polygons and all. Bodies "
-                "that overlap or touch are united first. `exact` needs a closed mesh, and cracks "
+                "that overlap or touch are united first, and holes are closed by faces of their "
+                "own. `exact` needs a mesh filled by `winding`, and cracks "
                 "that are not so rough that they cross each other; where it does not succeed, all "
                 "fragments "
                 "get the smooth surface, with a warning. The `.vdb` files are the same for all",

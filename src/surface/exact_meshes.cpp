@@ -11,8 +11,10 @@
 #include "exact/unite.h"
 #include "mesh/edges.h"
 #include "mesh/positions.h"
+#include "mesh/triangle_area.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
+#include "surface/close_mesh.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
 #include "surface/label_reader.h"
@@ -53,33 +55,25 @@ std::uint16_t nearestLabel(const Labels& labels, const glm::dvec3& index) {
   return nearest;
 }
 
-// Whether points are inside the mesh.  The solid has no region of its mesh where its voxels are
-// those of a shell, or of a fragment.
-std::function<bool(const glm::dvec3&)> insideOf(const Solid& solid) {
-  if (solid.region != nullptr && !solid.report.isThinnerThanVoxels) {
-    return
-        [&](const glm::dvec3& p) { return solid.region->contains(solid.frame.indexFromWorld(p)); };
-  }
-  const auto tree = std::make_shared<const TriangleTree>(solid.mesh->mesh);
-  return [tree](const glm::dvec3& p) { return tree->winding(p) >= 0.5; };
-}
-
 std::string obstacleOf(const Solid& solid) {
   if (solid.mesh == nullptr) return "the solid has no input mesh";
   if (solid.report.fill != Fill::winding && !solid.report.isThinnerThanVoxels) {
     return "the mesh is not filled by winding numbers";
   }
-  const EdgeDefects edges = edgeDefects(solid.mesh->mesh);
-  if (edges.unbalanced > 0) return "the mesh has " + textOf(edges);
   return {};
 }
 
 // The mesh that is cut, and the union of its bodies where they overlap or touch.
 class Bodies {
  public:
+  ///   source    with its holes closed
+  ///   closed    how many
   ///   progress  may be null
-  Bodies(const SolidMesh& source, const Progress* progress)
-      : source_(source), progress_(progress) {}
+  Bodies(std::shared_ptr<const SolidMesh> source, std::size_t closed, const Progress* progress)
+      : whole_(std::move(source)), source_(*whole_), progress_(progress) {
+    united_.closed.holes = closed;
+    if (closed > 0) setMesh(whole_);
+  }
 
   [[nodiscard]] const SolidMesh& mesh() const { return united_.mesh ? *united_.mesh : source_; }
 
@@ -88,7 +82,7 @@ class Bodies {
     UnitedMesh all = sherd::unite(source_.mesh, progress_);
     isTried_ = true;
     if (!all.failure.empty() || !all.isChanged) return std::move(all.failure);
-    united_.before = bodiesOf(source_.mesh, progress_).size();
+    united_.before = std::max(bodiesOf(source_.mesh, progress_).size(), std::size_t{1});
     united_.after = bodiesOf(all.mesh, progress_).size();
     SolidMesh united;
     for (const std::uint32_t triangle : all.mesh.source) {
@@ -97,19 +91,46 @@ class Bodies {
     }
     all.mesh.source.clear();
     united.mesh = std::move(all.mesh);
-    united_.mesh = std::make_shared<const SolidMesh>(std::move(united));
+    setMesh(std::make_shared<const SolidMesh>(std::move(united)));
     return {};
   }
 
   [[nodiscard]] bool isTried() const { return isTried_; }
+  [[nodiscard]] bool isUnited() const { return united_.before > 0; }
   [[nodiscard]] const UnitedBodies& united() const { return united_; }
 
  private:
+  void setMesh(std::shared_ptr<const SolidMesh> mesh) {
+    united_.mesh = std::move(mesh);
+    united_.closed.faces = 0;
+    united_.closed.area = 0.0;
+    for (std::size_t t = 0; t < united_.mesh->source.size(); ++t) {
+      if (united_.mesh->source[t] != TriangleMesh::kNoSource) continue;
+      const std::vector<glm::dvec3>& v = united_.mesh->mesh.vertices;
+      const glm::uvec3& c = united_.mesh->mesh.triangles[t];
+      ++united_.closed.faces;
+      united_.closed.area += areaOf({v[c.x], v[c.y], v[c.z]});
+    }
+  }
+
+  const std::shared_ptr<const SolidMesh> whole_;
   const SolidMesh& source_;
   const Progress* const progress_;
   bool isTried_ = false;
   UnitedBodies united_;
 };
+
+// Whether points are inside the mesh.  The solid has no region of its mesh where its voxels are
+// those of a shell, or of a fragment, and another one where holes were closed.
+std::function<bool(const glm::dvec3&)> insideOf(const Solid& solid, const Bodies& bodies) {
+  if (solid.region != nullptr && !solid.report.isThinnerThanVoxels &&
+      bodies.united().closed.holes == 0) {
+    return
+        [&](const glm::dvec3& p) { return solid.region->contains(solid.frame.indexFromWorld(p)); };
+  }
+  const auto tree = std::make_shared<const TriangleTree>(bodies.mesh().mesh);
+  return [tree](const glm::dvec3& p) { return tree->winding(p) >= 0.5; };
+}
 
 // Cuts the bodies of one layer, or of all.
 //   solid, labels  of the layer
@@ -147,11 +168,12 @@ void setSources(ExactSurface& surface, std::span<const std::uint32_t> source) {
 }
 
 // Cuts a mesh, one layer after the other.  A fragment is in one layer.
-ExactSurface cutLayers(const Solid& solid, const Labels& labels, const SolidMesh& mesh,
+ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& bodies,
                        std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+  const SolidMesh& mesh = bodies.mesh();
   if (mesh.layer.empty()) {
     ExactSurface surface =
-        cutLayer(solid, labels, mesh.mesh, insideOf(solid), neighborhoods, progress);
+        cutLayer(solid, labels, mesh.mesh, insideOf(solid, bodies), neighborhoods, progress);
     setSources(surface, mesh.source);
     return surface;
   }
@@ -185,7 +207,7 @@ bool touchesItself(const TriangleMesh& mesh) {
 // The cut of united bodies, or a failure: bodies that touch along edges may have fragments that do.
 ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united) {
   if (!surface.failure.empty()) return surface;
-  for (std::size_t i = 0; united.mesh != nullptr && i < surface.meshes.size(); ++i) {
+  for (std::size_t i = 0; united.before > 0 && i < surface.meshes.size(); ++i) {
     if (!touchesItself(surface.meshes[i].mesh)) continue;
     return {.failure = "fragment " + std::to_string(i + 1) +
                        " of the united bodies touches itself along an edge"};
@@ -201,15 +223,17 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
     return {.failure = std::move(obstacle)};
   }
-  Bodies bodies(*solid.mesh, progress);
-  if (componentsMeet(solid.mesh->mesh, progress)) {
+  const ClosedMesh closed = closedMesh(solid, progress);
+  if (!closed.failure.empty()) return {.failure = closed.failure};
+  Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed.holes, progress);
+  if (closed.isCrossed || componentsMeet(bodies.mesh().mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
   }
-  ExactSurface surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, progress);
+  ExactSurface surface = cutLayers(solid, labels, bodies, neighborhoods, progress);
   // A body that crosses itself is cut as it is where no crack meets the crossings.
   if (!surface.failure.empty() && !bodies.isTried() && bodies.unite().empty() &&
-      bodies.united().mesh != nullptr) {
-    surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, progress);
+      bodies.isUnited()) {
+    surface = cutLayers(solid, labels, bodies, neighborhoods, progress);
   }
   return checkedUnion(std::move(surface), bodies.united());
 }

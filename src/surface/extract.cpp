@@ -169,8 +169,7 @@ void Extraction::makeExact(ExactSurface exact) {
     mesh.mesh.neighbor = mesh.other;
     if (!uneroded_) continue;
     std::vector<bool> original;
-    for (const std::uint32_t source : mesh.mesh.source)
-      original.push_back(source != TriangleMesh::kNoSource);
+    for (const std::uint16_t other : mesh.other) original.push_back(other == 0);
     mesh.mesh.neighbor = neighborsOf(mesh.mesh, original, static_cast<std::uint16_t>(i + 1), solid_,
                                      *uneroded_, true);
   }

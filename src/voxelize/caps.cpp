@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,16 +24,9 @@ void addHalves(std::uint32_t from, std::uint32_t to, TriangleMesh& caps) {
   addHalves(middle, to, caps);
 }
 
-void addCap(const TriangleMesh& mesh, std::span<const std::uint32_t> loop, TriangleMesh& caps) {
-  if (loop.size() < 3) return;  // two opposite edges enclose nothing
-  const auto first = static_cast<std::uint32_t>(caps.vertices.size());
-  for (const std::uint32_t vertex : loop) caps.vertices.push_back(mesh.vertices[vertex]);
-  addHalves(first, first + static_cast<std::uint32_t>(loop.size()) - 1, caps);
-}
-
 }  // namespace
 
-TriangleMesh loopCaps(const TriangleMesh& mesh) {
+std::vector<std::vector<std::uint32_t>> openLoops(const TriangleMesh& mesh) {
   // Missing edges, sorted by their first vertex.  As many enter each vertex as leave it, so a walk
   // along them ends only where it started.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> missing;
@@ -44,8 +36,8 @@ TriangleMesh loopCaps(const TriangleMesh& mesh) {
     for (std::size_t n = edge.forward; n < edge.backward; ++n)
       missing.emplace_back(edge.low, edge.high);
   });
-  TriangleMesh caps;
-  if (missing.empty()) return caps;
+  std::vector<std::vector<std::uint32_t>> loops;
+  if (missing.empty()) return loops;
   std::sort(missing.begin(), missing.end());
   std::vector<std::size_t> next(mesh.vertices.size() + 1, 0);  // first edge not visited yet
   for (const auto& edge : missing) ++next[edge.first + 1];
@@ -67,12 +59,25 @@ TriangleMesh loopCaps(const TriangleMesh& mesh) {
         }
         // A loop is closed: it is removed from the path, which continues from the loop's start.
         const std::size_t from = onPath[to];
-        addCap(mesh, std::span(path).subspan(from), caps);
+        // Two opposite edges enclose nothing.
+        if (path.size() - from > 2) {
+          loops.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(from), path.end());
+        }
         for (std::size_t i = from + 1; i < path.size(); ++i) onPath[path[i]] = kNone;
         path.resize(from + 1);
       }
       onPath[start] = kNone;
     }
+  }
+  return loops;
+}
+
+TriangleMesh loopCaps(const TriangleMesh& mesh) {
+  TriangleMesh caps;
+  for (const std::vector<std::uint32_t>& loop : openLoops(mesh)) {
+    const auto first = static_cast<std::uint32_t>(caps.vertices.size());
+    for (const std::uint32_t vertex : loop) caps.vertices.push_back(mesh.vertices[vertex]);
+    addHalves(first, first + static_cast<std::uint32_t>(loop.size()) - 1, caps);
   }
   return caps;
 }

@@ -269,14 +269,27 @@ class Exact(CommandLine):
         self.exact(out=self.path("one"))
         self.assertNotIn("bodies", self.manifest(self.path("one")))
 
-    def test_open_meshes_get_the_smooth_surface_with_a_warning(self):
+    def test_holes_are_closed_by_faces_of_their_own(self):
         vertices, triangles = sphere()
         open_mesh = self.path("open.obj")
         write_obj(open_mesh, (vertices, triangles[1:]))
-        result = self.done("--surface", "exact", mesh=open_mesh)
-        self.assertIn("open.obj: the mesh has 3 boundary edges, so the fragments have the smooth surface instead of the exact one", result.stderr)
+        result = self.exact("--source-faces", mesh=open_mesh)
+        self.assertIn("warning: open.obj: 1 hole was closed by 1 face\n", result.stderr)
         manifest = self.manifest()
-        self.assertEqual(manifest["exact_failure"], "the mesh has 3 boundary edges")
+        self.assertNotIn("exact_failure", manifest)
+        self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"exact"})
+        closed = manifest["report"]["closed_holes"]
+        a, b, c = (np.array(vertices[i]) for i in triangles[0])
+        self.assertEqual((closed["holes"], closed["faces"]), (1, 1))
+        self.assertAlmostEqual(closed["area"], np.linalg.norm(np.cross(b - a, c - a)) / 2, 12)
+        area = sum(areas(v, f[(neighbor == 0) & (face["source_face"] == -1)]).sum() for _, v, f, neighbor, face in self.pieces())
+        self.assertAlmostEqual(area, closed["area"], 12)
+
+    def test_shells_get_the_smooth_surface_with_a_warning(self):
+        result = self.exact("--fill", "shell")
+        self.assertIn("the mesh is not filled by winding numbers, so the fragments have the smooth surface instead of the exact one", result.stderr)
+        manifest = self.manifest()
+        self.assertEqual(manifest["exact_failure"], "the mesh is not filled by winding numbers")
         self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"smooth"})
 
     def test_adaptivity_is_for_the_smooth_surface_only(self):
@@ -285,11 +298,8 @@ class Exact(CommandLine):
         self.exact("--adaptivity", "0.1", out=adapted)
         meshes = {path.name: path.read_bytes() for path in pathlib.Path(self.out, "meshes").iterdir()}
         self.assertEqual(meshes, {path.name: path.read_bytes() for path in pathlib.Path(adapted, "meshes").iterdir()})
-        vertices, triangles = sphere()
-        open_mesh = self.path("open.obj")
-        write_obj(open_mesh, (vertices, triangles[1:]))
-        self.done("--surface", "exact", "--adaptivity", "0.1", mesh=open_mesh, out=self.path("few"))
-        self.done("--adaptivity", "0.1", mesh=open_mesh, out=self.path("smooth"))
+        self.exact("--fill", "shell", "--adaptivity", "0.1", out=self.path("few"))
+        self.exact("--fill", "shell", "--adaptivity", "0.1", "--surface", "smooth", out=self.path("smooth"))
         few, smooth = ([path.read_bytes() for path in sorted(pathlib.Path(self.path(name), "meshes").iterdir())] for name in ("few", "smooth"))
         self.assertEqual(few, smooth)
 

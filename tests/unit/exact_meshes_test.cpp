@@ -117,18 +117,6 @@ TEST(Exact, IsNotSmoothed) {
   EXPECT_THROW(checkSurfaceOptions(options), Error);
 }
 
-TEST(Exact, OpenMeshesFallBackWithTheReason) {
-  TriangleMesh mesh = shapes::ball(1.0, 3);
-  mesh.triangles.pop_back();
-  const FractureResult result = broken(mesh, exactOptions(3, 48));
-  EXPECT_EQ(result.exactFailure, "the mesh has 3 boundary edges");
-  for (const Fragment& fragment : result.fragments) {
-    EXPECT_EQ(fragment.meshedAs, Surface::smooth);
-    EXPECT_EQ(openEdges(fragment.mesh), 0u);
-    EXPECT_TRUE(fragment.mesh.source.empty());
-  }
-}
-
 TEST(Exact, ASolidWithoutItsMeshFallsBack) {
   Device device("builtin");
   const FractureResult result =

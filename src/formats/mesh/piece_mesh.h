@@ -35,10 +35,16 @@ struct PieceMesh {
     return attributes.normals.empty() ? glm::vec3(0.0f) : attributes.normals[triangle][corner];
   }
 
-  /// Returns the triangle's material in the table.
+  /// Returns whether a triangle is of the original surface, and does not close a hole of it.
+  [[nodiscard]] bool isOriginal(std::size_t triangle) const {
+    if (mesh.neighborOf(triangle) != 0) return false;
+    return mesh.source.empty() || mesh.source[triangle] != TriangleMesh::kNoSource;
+  }
+
+  /// Returns the triangle's material in the table: that of the inside also where it closes a hole.
   [[nodiscard]] std::uint32_t materialOf(std::size_t triangle) const {
     if (!attributes.material.empty()) return attributes.material[triangle];
-    return mesh.neighborOf(triangle) == 0 ? 0 : materials.inside();
+    return isOriginal(triangle) ? 0 : materials.inside();
   }
 };
 

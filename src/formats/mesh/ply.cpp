@@ -107,7 +107,7 @@ std::string header(const TriangleMesh& mesh, std::size_t faces, bool isDouble,
 std::vector<glm::u8vec3> vertexColors(const PieceMesh& piece) {
   std::vector<glm::u8vec3> colors(piece.mesh.vertices.size(), kInsideColor);
   for (std::size_t t = piece.mesh.triangles.size(); t-- > 0;) {
-    if (piece.mesh.neighborOf(t) != 0) continue;
+    if (!piece.isOriginal(t)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       colors[piece.mesh.triangles[t][static_cast<int>(k)]] = piece.attributes.colors[t][k];
     }

@@ -1,0 +1,30 @@
+// A closed mesh for Surface::exact, where the input has holes.
+#pragma once
+
+#include <sherd/progress.h>
+#include <sherd/solid.h>
+
+#include <memory>
+#include <string>
+
+namespace sherd {
+
+struct ClosedMesh {
+  std::shared_ptr<const SolidMesh> mesh{};  ///< null if the mesh has no holes
+  std::size_t holes = 0;
+  bool isCrossed = false;  ///< faces that close holes cross others
+  std::string failure{};   ///< a clause; empty if `mesh` is valid
+};
+
+/// Closes the mesh of a solid: all its triangles, and after them faces that fill its boundary
+/// loops, whose source is TriangleMesh::kNoSource.  It fails where these enclose other voxels than
+/// the solid has: more than kOtherVoxels of them and, beyond that, than a layer along the faces
+/// that close holes.
+///   solid   filled by winding numbers
+///   throws  Error(cancelled)
+[[nodiscard]] ClosedMesh closedMesh(const Solid& solid, const Progress* progress = nullptr);
+
+/// The share of voxels that may be on the other side.
+inline constexpr double kOtherVoxels = 0.05;
+
+}  // namespace sherd
