@@ -15,11 +15,13 @@
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
 #include "surface/close_mesh.h"
+#include "surface/closed_solid.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
 #include "surface/merge_facets.h"
+#include "voxelize/leaf_blocks.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -196,6 +198,17 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
   return all;
 }
 
+// Cuts a mesh whose holes may have been closed.
+ExactSurface cutBodies(const Solid& solid, const Labels& labels, const Bodies& bodies,
+                       std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+  ExactSurface surface = cutLayers(solid, labels, bodies, neighborhoods, progress);
+  if (surface.failure.empty() || bodies.united().closed.holes == 0) return surface;
+  // Cracks may not reach the faces that close holes.
+  const ClosedSolid closed = closedSolid(solid, labels, bodies.mesh().mesh, progress);
+  return cutLayers(closed.solid, closed.labels, bodies,
+                   leafNeighbors(closed.labels.blocks->origins), progress);
+}
+
 // Whether edges of a mesh, at equal positions, have more than two triangles.
 bool touchesItself(const TriangleMesh& mesh) {
   TriangleMesh merged{mesh.vertices, mesh.triangles};
@@ -229,11 +242,11 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   if (closed.isCrossed || componentsMeet(bodies.mesh().mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
   }
-  ExactSurface surface = cutLayers(solid, labels, bodies, neighborhoods, progress);
+  ExactSurface surface = cutBodies(solid, labels, bodies, neighborhoods, progress);
   // A body that crosses itself is cut as it is where no crack meets the crossings.
   if (!surface.failure.empty() && !bodies.isTried() && bodies.unite().empty() &&
       bodies.isUnited()) {
-    surface = cutLayers(solid, labels, bodies, neighborhoods, progress);
+    surface = cutBodies(solid, labels, bodies, neighborhoods, progress);
   }
   return checkedUnion(std::move(surface), bodies.united());
 }

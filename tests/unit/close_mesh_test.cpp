@@ -132,6 +132,8 @@ TriangleMesh halfTorus() {
 std::vector<Open> shapesWithHoles() {
   std::vector<Open> all;
   all.push_back({"openBox", openBox(2.0), 1, 8.0});
+  // The surface where the winding number is 0.5 is as far as two voxels inwards of the rims.
+  all.push_back({"tube", tube(32, 1.0, 2.0), 2, 16.0 * std::sin(std::numbers::pi / 16.0) * 2.0});
   const TriangleMesh ball = shapes::ball(1.0, 3);
   Open apart{"ballWithoutThreeTriangles", ball, 3, volume(ball)};
   for (const std::ptrdiff_t t : {1100, 600, 5}) {
