@@ -78,7 +78,7 @@ std::string unitedText(const UnitedBodies& united) {
     text = counted(united.closed.holes, "hole") + (united.closed.holes == 1 ? " was" : " were") +
            " closed " +
            (united.closed.faces > 0 ? "by " + counted(united.closed.faces, "face")
-                                    : "within other bodies");
+                                    : "without faces that are left");
   }
   const std::string between = text.empty() ? "" : "; ";
   if (united.before != united.after) {

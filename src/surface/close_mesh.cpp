@@ -2,15 +2,17 @@
 #include "surface/close_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "base/cancel_flag.h"
 #include "base/formatted.h"
+#include "base/union_find.h"
 #include "exact/fill_loops.h"
 #include "exact/self_crossings.h"
 #include "mesh/edges.h"
@@ -89,7 +91,66 @@ bool isCrossed(const TriangleMesh& mesh, std::size_t firstClosing, const Progres
   return !selfCrossings(mesh.vertices, mesh.triangles, progress, {.of = isClosing}).empty();
 }
 
+// The mesh of some triangles, with their vertices alone.
+TriangleMesh meshOf(std::span<const glm::dvec3> vertices, std::vector<glm::uvec3> triangles) {
+  TriangleMesh mesh;
+  std::map<std::uint32_t, std::uint32_t> numbers;
+  for (glm::uvec3& t : triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [found, isNew] =
+          numbers.try_emplace(t[k], static_cast<std::uint32_t>(mesh.vertices.size()));
+      if (isNew) mesh.vertices.push_back(vertices[t[k]]);
+      t[k] = found->second;
+    }
+  }
+  mesh.triangles = std::move(triangles);
+  return mesh;
+}
+
+// Returns [triangles] the name of each one's part: those connected over edges of two triangles.
+std::vector<std::uint32_t> partsOf(const TriangleMesh& mesh) {
+  std::vector<std::array<std::uint32_t, 3>> uses;  // ends of an edge, triangle
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax({mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]});
+      uses.push_back({low, high, t});
+    }
+  }
+  std::sort(uses.begin(), uses.end());
+  UnionFind parts(mesh.triangles.size());
+  for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+    while (end < uses.size() && uses[end][0] == uses[i][0] && uses[end][1] == uses[i][1]) ++end;
+    if (end == i + 2) parts.unite(uses[i][2], uses[i + 1][2]);
+  }
+  return std::move(parts).all();
+}
+
 }  // namespace
+
+SolidMesh withoutSmallClosed(const SolidMesh& closed, double least) {
+  const std::vector<std::uint32_t> partOf = partsOf(closed.mesh);
+  std::map<std::uint32_t, std::vector<glm::uvec3>> parts;  // those with faces that close holes
+  for (std::size_t t = 0; t < partOf.size(); ++t) {
+    if (closed.source[t] == TriangleMesh::kNoSource) parts[partOf[t]];
+  }
+  for (std::size_t t = 0; t < partOf.size(); ++t) {
+    const auto part = parts.find(partOf[t]);
+    if (part != parts.end()) part->second.push_back(closed.mesh.triangles[t]);
+  }
+  std::erase_if(parts, [&](const auto& part) {
+    const TriangleMesh own = meshOf(closed.mesh.vertices, part.second);
+    return openEdges(own) > 0 || std::abs(volume(own)) >= least;
+  });
+  SolidMesh out;
+  out.mesh.vertices = closed.mesh.vertices;
+  for (std::size_t t = 0; t < partOf.size(); ++t) {
+    if (parts.contains(partOf[t])) continue;
+    out.mesh.triangles.push_back(closed.mesh.triangles[t]);
+    out.source.push_back(closed.source[t]);
+    if (!closed.layer.empty()) out.layer.push_back(closed.layer[t]);
+  }
+  return out.mesh.triangles.empty() ? closed : out;
+}
 
 ClosedMesh closedMesh(const Solid& solid, const Progress* progress) {
   const SolidMesh& open = *solid.mesh;

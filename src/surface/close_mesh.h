@@ -24,6 +24,12 @@ struct ClosedMesh {
 ///   throws  Error(cancelled)
 [[nodiscard]] ClosedMesh closedMesh(const Solid& solid, const Progress* progress = nullptr);
 
+/// Returns a mesh without bodies of less than a volume that have faces that close holes: sheets
+/// that enclose hardly anything, such as a fin on an edge.  A solid has no voxels of theirs.
+///   closed  not all of it is left out
+///   least   world units
+[[nodiscard]] SolidMesh withoutSmallClosed(const SolidMesh& closed, double least);
+
 /// The share of voxels that may be on the other side.
 inline constexpr double kOtherVoxels = 0.05;
 

@@ -4,6 +4,7 @@
 #include <sherd/mesh.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <limits>
 #include <memory>
@@ -70,9 +71,11 @@ class Bodies {
  public:
   ///   source    with its holes closed
   ///   closed    how many
+  ///   least     volume of a body that has some
   ///   progress  may be null
-  Bodies(std::shared_ptr<const SolidMesh> source, std::size_t closed, const Progress* progress)
-      : whole_(std::move(source)), source_(*whole_), progress_(progress) {
+  Bodies(std::shared_ptr<const SolidMesh> source, std::size_t closed, double least,
+         const Progress* progress)
+      : whole_(std::move(source)), source_(*whole_), least_(least), progress_(progress) {
     united_.closed.holes = closed;
     if (closed > 0) setMesh(whole_);
   }
@@ -103,6 +106,9 @@ class Bodies {
 
  private:
   void setMesh(std::shared_ptr<const SolidMesh> mesh) {
+    if (united_.closed.holes > 0) {
+      mesh = std::make_shared<const SolidMesh>(withoutSmallClosed(*mesh, least_));
+    }
     united_.mesh = std::move(mesh);
     united_.closed.faces = 0;
     united_.closed.area = 0.0;
@@ -117,6 +123,7 @@ class Bodies {
 
   const std::shared_ptr<const SolidMesh> whole_;
   const SolidMesh& source_;
+  const double least_;
   const Progress* const progress_;
   bool isTried_ = false;
   UnitedBodies united_;
@@ -238,7 +245,9 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   }
   const ClosedMesh closed = closedMesh(solid, progress);
   if (!closed.failure.empty()) return {.failure = closed.failure};
-  Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed.holes, progress);
+  const double voxel = std::pow(solid.frame.voxelSize, 3);
+  Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed.holes,
+                voxel * static_cast<double>(kSmallComponentVoxels), progress);
   if (closed.isCrossed || componentsMeet(bodies.mesh().mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
   }

@@ -665,7 +665,7 @@ class Inspect(CommandLine):
             write_obj(path, mesh)
             self.assertEqual(self.edges(self.report(path)), edges, name)
         result = self.done("--surface", "exact", mesh=self.path("fin.obj"))
-        self.assertIn("fin.obj: 1 hole was closed within other bodies; ", result.stderr, "the fin encloses nothing")
+        self.assertIn("fin.obj: 1 hole was closed without faces that are left\n", result.stderr, "the fin encloses nothing")
 
     def test_what_a_fracture_wrote(self):
         self.done()

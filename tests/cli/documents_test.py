@@ -402,7 +402,7 @@ class Statements(unittest.TestCase):
                 yield from keys(schema["items"])
 
         report = set(load_schema()["properties"]["report"]["properties"]) | {
-            key for part in ("walls", "resolution") for key in load_schema()["properties"]["report"]["properties"][part]["properties"]}
+            key for part in ("walls", "resolution", "closed_holes") for key in load_schema()["properties"]["report"]["properties"][part]["properties"]}
         missing = {key for key in keys(load_schema()) if key not in words and key not in report}
         self.assertEqual(sorted(missing), [])
         # These are described with --json.

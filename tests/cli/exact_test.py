@@ -281,7 +281,7 @@ class Exact(CommandLine):
         closed = manifest["report"]["closed_holes"]
         a, b, c = (np.array(vertices[i]) for i in triangles[0])
         self.assertEqual((closed["holes"], closed["faces"]), (1, 1))
-        self.assertAlmostEqual(closed["area"], np.linalg.norm(np.cross(b - a, c - a)) / 2, 12)
+        self.assertAlmostEqual(closed["area"], np.linalg.norm(np.cross(b - a, c - a)) / 2, 9)  # the file has nine digits
         area = sum(areas(v, f[(neighbor == 0) & (face["source_face"] == -1)]).sum() for _, v, f, neighbor, face in self.pieces())
         self.assertAlmostEqual(area, closed["area"], 12)
 
@@ -299,7 +299,7 @@ class Exact(CommandLine):
         meshes = {path.name: path.read_bytes() for path in pathlib.Path(self.out, "meshes").iterdir()}
         self.assertEqual(meshes, {path.name: path.read_bytes() for path in pathlib.Path(adapted, "meshes").iterdir()})
         self.exact("--fill", "shell", "--adaptivity", "0.1", out=self.path("few"))
-        self.exact("--fill", "shell", "--adaptivity", "0.1", "--surface", "smooth", out=self.path("smooth"))
+        self.done("--precision", "double", "--write", "mesh", "--fill", "shell", "--adaptivity", "0.1", mesh=str(self.mesh), pieces=7, out=self.path("smooth"))
         few, smooth = ([path.read_bytes() for path in sorted(pathlib.Path(self.path(name), "meshes").iterdir())] for name in ("few", "smooth"))
         self.assertEqual(few, smooth)
 
@@ -357,12 +357,12 @@ class Exact(CommandLine):
         library = pathlib.Path(self.path("library"))
         library.mkdir()
         write_obj(library / "ball.obj", sphere())
-        write_obj(library / "open.obj", (sphere()[0], sphere()[1][1:]))
+        write_obj(library / "sheet.obj", (sphere()[0], sphere()[1][:len(sphere()[1]) // 4]))
         result = self.run_sherd("dataset", str(library), "-o", self.out, "--pieces", "2..3", "--repeats", "2", "--resolution", "32",
                                 "--surface", "exact", "--write", "mesh")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr.count("instead of the exact one"), 1, "once for each object")
-        for name, surface in (("ball", "exact"), ("open", "smooth")):
+        for name, surface in (("ball", "exact"), ("sheet", "smooth")):
             manifests = list(pathlib.Path(self.out).glob(f"objects/{name}/*/manifest.json"))
             self.assertEqual(len(manifests), 4)
             for path in manifests:

@@ -283,6 +283,27 @@ TEST(CloseMesh, ClosingFacesHaveTheMaterialOfTheInside) {
   EXPECT_GE(closing, 2u);
 }
 
+// Two triangles that stand on an edge of the box: with their hole closed they are a sliver of a
+// body.
+TEST(CloseMesh, AFinOnAnEdgeIsLeftOut) {
+  TriangleMesh mesh = shapes::cube(2.0);
+  const glm::uvec3 base = mesh.triangles.front();
+  const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.push_back(1.5 * mesh.vertices[base.x]);
+  mesh.vertices.push_back(1.5 * mesh.vertices[base.y] + glm::dvec3(0.01, 0.02, 0.03));
+  mesh.triangles.insert(mesh.triangles.end(), {{base.x, base.y, next}, {base.y, next + 1, next}});
+  const FractureResult result = broken(mesh, exactOptions(3, 40));
+  ASSERT_EQ(result.exactFailure, "");
+  EXPECT_EQ(result.united.closed.holes, 1u);
+  EXPECT_EQ(result.united.closed.faces, 0u);
+  double sum = 0.0;
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_EQ(meshComponents(fragment.mesh).count, 1u);
+    sum += volume(fragment.mesh);
+  }
+  EXPECT_NEAR(sum, 8.0, 1e-9);
+}
+
 TEST(CloseMesh, ErosionLeavesClosingFacesOutside) {
   FractureOptions options = exactOptions(4, 40);
   options.erode.iterations = 2;
