@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/cancel_flag.h"
+#include "mesh/duplicates.h"
 #include "mesh/edges.h"
 #include "mesh/triangle_tree.h"
 
@@ -19,57 +20,6 @@ namespace sherd {
 namespace {
 
 void flip(glm::uvec3& triangle) { std::swap(triangle.y, triangle.z); }
-
-// Returns a triangle's corners in ascending order, and whether that is an even permutation.
-std::pair<std::array<std::uint32_t, 3>, bool> sortedCorners(const glm::uvec3& t) {
-  std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
-  bool even = true;
-  const auto order = [&](std::size_t a, std::size_t b) {
-    if (corners[a] <= corners[b]) return;
-    std::swap(corners[a], corners[b]);
-    even = !even;
-  };
-  order(0, 1), order(1, 2), order(0, 1);
-  return {corners, even};
-}
-
-// Returns the triangles to keep, ascending: one of those with the same corners, or none if as many
-// have one orientation as the other.
-std::vector<std::uint32_t> withoutDuplicates(const std::vector<glm::uvec3>& triangles) {
-  struct Entry {
-    std::array<std::uint32_t, 3> corners;
-    bool even;
-    std::size_t index;
-  };
-  std::vector<Entry> entries;
-  entries.reserve(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const auto [corners, even] = sortedCorners(triangles[i]);
-    entries.push_back({corners, even, i});
-  }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
-  });
-  std::vector<bool> kept(triangles.size(), false);
-  for (std::size_t i = 0; i < entries.size();) {
-    std::size_t end = i;
-    int net = 0;
-    for (; end < entries.size() && entries[end].corners == entries[i].corners; ++end) {
-      net += entries[end].even ? 1 : -1;
-    }
-    for (std::size_t k = i; k < end && net != 0; ++k) {
-      if (entries[k].even != (net > 0)) continue;
-      kept[entries[k].index] = true;
-      break;
-    }
-    i = end;
-  }
-  std::vector<std::uint32_t> out;
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (kept[i]) out.push_back(i);
-  }
-  return out;
-}
 
 double areaOf(const TriangleMesh& mesh, const glm::uvec3& t) {
   const std::vector<glm::dvec3>& v = mesh.vertices;

@@ -325,6 +325,29 @@ TEST(Fill, DoubledTrianglesCountOnce) {
   EXPECT_GT(solid.report.defects.nonManifoldEdges, 0u);
 }
 
+// Two tetrahedra on the same side of a triangle, which both have: without its copy neither would be
+// closed.
+TEST(Fill, ATriangleOfTwoBodiesOnOneSideCountsForBoth) {
+  const TriangleMesh one{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.5, 0.2, 0.9}},
+                         {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+  TriangleMesh other = one;
+  other.vertices[3] = {0.8, 0.5, 0.7};
+  TriangleMesh both = one;
+  both.vertices.push_back(other.vertices[3]);
+  both.triangles.insert(both.triangles.end(), {{0, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 0, 4}});
+  const SolidOptions options{.voxelSize = 1.0 / 32.0};
+  const Solid solid = voxelize(both, options);
+  EXPECT_EQ(solid.report.fill, Fill::winding);
+  EXPECT_EQ(solid.report.defects.duplicateTriangles, 0u);
+  Voxels expected;
+  for (const TriangleMesh& mesh : {one, other}) {
+    TriangleMesh alone = mesh;  // in the same grid
+    alone.vertices.push_back(both.vertices[mesh.vertices == one.vertices ? 4 : 3]);
+    expected.merge(voxelsOf(voxelize(alone, options)));
+  }
+  EXPECT_EQ(voxelsOf(solid), expected);
+}
+
 TEST(Fill, AWallBetweenTwoBodiesThatTouchIsNone) {
   // Two boxes side by side, each with its own copy of the square between them.
   TriangleMesh boxes = shapes::append(shapes::cube(1.0), shapes::cube(1.0, {1.0, 0, 0}));
