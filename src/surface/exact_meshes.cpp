@@ -10,8 +10,6 @@
 #include <memory>
 
 #include "exact/unite.h"
-#include "mesh/edges.h"
-#include "mesh/positions.h"
 #include "mesh/triangle_area.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
@@ -22,6 +20,7 @@
 #include "surface/label_reader.h"
 #include "surface/layer.h"
 #include "surface/merge_facets.h"
+#include "surface/part_sheets.h"
 #include "voxelize/leaf_blocks.h"
 #include "voxelize/region.h"
 
@@ -216,21 +215,14 @@ ExactSurface cutBodies(const Solid& solid, const Labels& labels, const Bodies& b
                    leafNeighbors(closed.labels.blocks->origins), progress);
 }
 
-// Whether edges of a mesh, at equal positions, have more than two triangles.
-bool touchesItself(const TriangleMesh& mesh) {
-  TriangleMesh merged{mesh.vertices, mesh.triangles};
-  const std::vector<std::uint32_t> first = firstAtPosition(mesh.vertices);
-  for (glm::uvec3& t : merged.triangles) t = {first[t.x], first[t.y], first[t.z]};
-  return edgeDefects(merged).nonManifold > 0;
-}
-
-// The cut of united bodies, or a failure: bodies that touch along edges may have fragments that do.
-ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united) {
+// The cut of united bodies: bodies that touch along edges may have fragments that do.
+ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united,
+                          const Progress* progress) {
   if (!surface.failure.empty()) return surface;
-  for (std::size_t i = 0; united.before > 0 && i < surface.meshes.size(); ++i) {
-    if (!touchesItself(surface.meshes[i].mesh)) continue;
-    return {.failure = "fragment " + std::to_string(i + 1) +
-                       " of the united bodies touches itself along an edge"};
+  if (united.before > 0) {
+    if (std::string failure = partSheets(surface.meshes, progress); !failure.empty()) {
+      return {.failure = std::move(failure)};
+    }
   }
   surface.united = united;
   return surface;
@@ -257,7 +249,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
       bodies.isUnited()) {
     surface = cutBodies(solid, labels, bodies, neighborhoods, progress);
   }
-  return checkedUnion(std::move(surface), bodies.united());
+  return checkedUnion(std::move(surface), bodies.united(), progress);
 }
 
 }  // namespace sherd

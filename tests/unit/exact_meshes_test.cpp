@@ -23,10 +23,12 @@
 #include "exact/self_crossings.h"
 #include "exact/unite.h"
 #include "exact_checks.h"
+#include "mesh/positions.h"
 #include "mesh/repair.h"
 #include "shapes.h"
 #include "surface/bodies.h"
 #include "surface/exact_surface.h"
+#include "surface/part_sheets.h"
 
 namespace sherd {
 namespace {
@@ -181,13 +183,42 @@ TEST(Exact, ABodyWithinAnotherVanishes) {
 }
 
 // Two cubes that have an edge in common, on a plate: the union has four faces at the edge.
-TEST(Exact, AUnionThatTouchesItselfFallsBack) {
+TEST(Exact, SheetsOfAUnionThatTouchAlongAnEdgeAreParted) {
   const TriangleMesh cubes =
       shapes::append(brick({0, 0, 0}, {1, 1, 1}), brick({1, 1, 0}, {1, 1, 1}));
   const TriangleMesh mesh = shapes::append(cubes, brick({0, 0, -0.5}, {2, 2, 0.6}));
-  const FractureResult result = broken(mesh, exactOptions(1, 40));
-  EXPECT_EQ(result.exactFailure, "fragment 1 of the united bodies touches itself along an edge");
-  EXPECT_EQ(nonManifoldEdges(result.fragments[0].mesh), 0u);
+  for (const int pieces : {1, 2, 5, 12}) {
+    const FractureResult result = broken(mesh, exactOptions(pieces, 40, pieces > 5 ? 1.0 : 0.0));
+    ASSERT_EQ(result.exactFailure, "");
+    double sum = 0.0;
+    std::map<std::array<std::array<double, 3>, 3>, int> cracks;  // faces by their positions
+    for (const Fragment& fragment : result.fragments) {
+      const TriangleMesh& own = fragment.mesh;
+      LabeledMesh labeled{.mesh = own, .other = own.neighbor, .positionId = {}, .chart = {}};
+      EXPECT_EQ(touchingEdges(labeled), 0u);
+      EXPECT_EQ(nonManifoldEdges(own), 0u);
+      EXPECT_EQ(meshComponents(own).count, 1u);
+      std::vector<glm::uvec3> merged = own.triangles;  // rough cracks may touch themselves
+      const std::vector<std::uint32_t> first = firstAtPosition(own.vertices);
+      for (glm::uvec3& t : merged) t = {first[t.x], first[t.y], first[t.z]};
+      EXPECT_TRUE(selfCrossings(own.vertices, merged).empty());
+      sum += volume(own);
+      for (std::size_t t = 0; t < own.triangles.size(); ++t) {
+        if (own.neighborOf(t) == 0) continue;
+        std::array<std::array<double, 3>, 3> key{};
+        for (std::size_t k = 0; k < 3; ++k) {
+          const glm::dvec3& v = own.vertices[own.triangles[t][static_cast<int>(k)]];
+          key[k] = {v.x, v.y, v.z};
+        }
+        std::sort(key.begin(), key.end());
+        ++cracks[key];
+      }
+    }
+    for (const auto& [face, sides] : cracks) EXPECT_EQ(sides, 2);
+    // The edge of length 0.9 moves by 6e-5, and faces of at most 1 beside it turn with it.
+    EXPECT_NEAR(sum, 4.2, 4 * 0.9 * 6e-5);
+    EXPECT_NE(sum, 4.2);
+  }
 }
 
 TEST(Exact, UnitedBodiesKeepTheirMaterials) {
