@@ -5,6 +5,7 @@
 
 #include "folder/rounding.h"
 #include "surface/bodies.h"
+#include "surface/close_mesh.h"
 
 namespace sherd {
 
@@ -42,7 +43,7 @@ std::vector<std::vector<std::string>> InputBodies::objects(const SourceMesh& sou
 
 InputBodies inputBodies(const FractureResult& result, const FractureOptions& options) {
   const Solid& solid = result.solid;
-  if (!isExact(options, result) || solid.mesh == nullptr) return {};
+  if (!isExact(options, result) || solid.mesh == nullptr || isShell(solid)) return {};
   // Bodies that touch in vertices alone may be one component, but are united.
   if (result.united.mesh == nullptr && solid.report.defects.components < 2) return {};
   std::vector<TriangleMesh> bodies = bodiesOf(solid.mesh->mesh);

@@ -17,6 +17,7 @@
 #include "exact/self_crossings.h"
 #include "mesh/edges.h"
 #include "mesh/triangle_area.h"
+#include "surface/shell_mesh.h"
 #include "voxelize/caps.h"
 #include "voxelize/winding.h"
 
@@ -80,7 +81,8 @@ std::string difference(const Solid& solid, const SolidMesh& closed, std::size_t 
                all = static_cast<double>(solid.voxels),
                changed = static_cast<double>(report.bridges + solid.smallComponentVoxels);
   if (other <= kOtherVoxels * all + area + changed) return {};
-  return formatted("faces that close its holes would change %.2g %% of its voxels",
+  return formatted(isShell(solid) ? "as a shell it would have %.2g %% other voxels"
+                                  : "faces that close its holes would change %.2g %% of its voxels",
                    100.0 * other / std::max(all, 1.0));
 }
 
@@ -125,7 +127,25 @@ std::vector<std::uint32_t> partsOf(const TriangleMesh& mesh) {
   return std::move(parts).all();
 }
 
+ClosedMesh closedShell(const Solid& solid, const Progress* progress) {
+  SolidMesh shell = shellMesh(*solid.mesh, solid.report.shellThickness);
+  throwIfCancelled(progress);
+  ClosedMesh closed;
+  closed.failure = difference(solid, shell, 2 * solid.mesh->mesh.triangles.size(), progress);
+  if (!closed.failure.empty()) return closed;
+  if (!selfCrossings(shell.mesh.vertices, shell.mesh.triangles, progress).empty()) {
+    closed.failure = "as a shell of its thickness it crosses itself";
+    return closed;
+  }
+  closed.mesh = std::make_shared<const SolidMesh>(std::move(shell));
+  return closed;
+}
+
 }  // namespace
+
+bool isShell(const Solid& solid) {
+  return solid.report.fill == Fill::shell && !solid.report.isThinnerThanVoxels;
+}
 
 SolidMesh withoutSmallClosed(const SolidMesh& closed, double least) {
   const std::vector<std::uint32_t> partOf = partsOf(closed.mesh);
@@ -154,6 +174,7 @@ SolidMesh withoutSmallClosed(const SolidMesh& closed, double least) {
 
 ClosedMesh closedMesh(const Solid& solid, const Progress* progress) {
   const SolidMesh& open = *solid.mesh;
+  if (isShell(solid)) return closedShell(solid, progress);
   const Loops loops = openLoops(open.mesh);
   if (loops.empty()) return {};
   ClosedMesh closed{.holes = loops.size()};

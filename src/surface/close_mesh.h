@@ -10,19 +10,22 @@
 namespace sherd {
 
 struct ClosedMesh {
-  std::shared_ptr<const SolidMesh> mesh{};  ///< null if the mesh has no holes
+  std::shared_ptr<const SolidMesh> mesh{};  ///< null if the mesh has no holes and is no shell
   std::size_t holes = 0;
   bool isCrossed = false;  ///< faces that close holes cross others
   std::string failure{};   ///< a clause; empty if `mesh` is valid
 };
 
 /// Closes the mesh of a solid: all its triangles, and after them faces that fill its boundary
-/// loops, whose source is TriangleMesh::kNoSource.  It fails where these enclose other voxels than
-/// the solid has: more than kOtherVoxels of them and, beyond that, than a layer along the faces
-/// that close holes.
-///   solid   filled by winding numbers
+/// loops, whose source is TriangleMesh::kNoSource; of a shell its two sides, by shellMesh.  It
+/// fails where these enclose other voxels than the solid has: more than kOtherVoxels of them and,
+/// beyond that, than a layer along the faces that have no source.
+///   solid   filled by winding numbers, or a shell
 ///   throws  Error(cancelled)
 [[nodiscard]] ClosedMesh closedMesh(const Solid& solid, const Progress* progress = nullptr);
+
+/// Whether a solid is a shell of its mesh.
+[[nodiscard]] bool isShell(const Solid& solid);
 
 /// Returns a mesh without bodies of less than a volume that have faces that close holes: sheets
 /// that enclose hardly anything, such as a fin on an edge.  A solid has no voxels of theirs.

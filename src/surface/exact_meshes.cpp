@@ -59,7 +59,8 @@ std::uint16_t nearestLabel(const Labels& labels, const glm::dvec3& index) {
 
 std::string obstacleOf(const Solid& solid) {
   if (solid.mesh == nullptr) return "the solid has no input mesh";
-  if (solid.report.fill != Fill::winding && !solid.report.isThinnerThanVoxels) {
+  const SolidReport& report = solid.report;
+  if (report.fill != Fill::winding && !report.isThinnerThanVoxels && !isShell(solid)) {
     return "the mesh is not filled by winding numbers";
   }
   return {};
@@ -68,15 +69,19 @@ std::string obstacleOf(const Solid& solid) {
 // The mesh that is cut, and the union of its bodies where they overlap or touch.
 class Bodies {
  public:
-  ///   source    with its holes closed
-  ///   closed    how many
+  ///   source    the input's mesh, without holes
+  ///   closed    what it was closed to, if that has a mesh
   ///   least     volume of a body that has some
   ///   progress  may be null
-  Bodies(std::shared_ptr<const SolidMesh> source, std::size_t closed, double least,
+  Bodies(std::shared_ptr<const SolidMesh> source, const ClosedMesh& closed, double least,
          const Progress* progress)
-      : whole_(std::move(source)), source_(*whole_), least_(least), progress_(progress) {
-    united_.closed.holes = closed;
-    if (closed > 0) setMesh(whole_);
+      : whole_(std::move(source)),
+        source_(*whole_),
+        isInput_(closed.mesh == nullptr),
+        least_(least),
+        progress_(progress) {
+    united_.closed.holes = closed.holes;
+    if (closed.mesh) setMesh(whole_);
   }
 
   [[nodiscard]] const SolidMesh& mesh() const { return united_.mesh ? *united_.mesh : source_; }
@@ -100,6 +105,8 @@ class Bodies {
   }
 
   [[nodiscard]] bool isTried() const { return isTried_; }
+  // Whether the mesh has the holes of the input, and is no shell of it.
+  [[nodiscard]] bool isInput() const { return isInput_; }
   [[nodiscard]] bool isUnited() const { return united_.before > 0; }
   [[nodiscard]] const UnitedBodies& united() const { return united_; }
 
@@ -122,6 +129,7 @@ class Bodies {
 
   const std::shared_ptr<const SolidMesh> whole_;
   const SolidMesh& source_;
+  const bool isInput_;
   const double least_;
   const Progress* const progress_;
   bool isTried_ = false;
@@ -131,8 +139,7 @@ class Bodies {
 // Whether points are inside the mesh.  The solid has no region of its mesh where its voxels are
 // those of a shell, or of a fragment, and another one where holes were closed.
 std::function<bool(const glm::dvec3&)> insideOf(const Solid& solid, const Bodies& bodies) {
-  if (solid.region != nullptr && !solid.report.isThinnerThanVoxels &&
-      bodies.united().closed.holes == 0) {
+  if (solid.region != nullptr && !solid.report.isThinnerThanVoxels && bodies.isInput()) {
     return
         [&](const glm::dvec3& p) { return solid.region->contains(solid.frame.indexFromWorld(p)); };
   }
@@ -208,8 +215,8 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
 ExactSurface cutBodies(const Solid& solid, const Labels& labels, const Bodies& bodies,
                        std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
   ExactSurface surface = cutLayers(solid, labels, bodies, neighborhoods, progress);
-  if (surface.failure.empty() || bodies.united().closed.holes == 0) return surface;
-  // Cracks may not reach the faces that close holes.
+  if (surface.failure.empty() || bodies.isInput()) return surface;
+  // Cracks may not reach the faces that close holes, or the corners of a shell.
   const ClosedSolid closed = closedSolid(solid, labels, bodies.mesh().mesh, progress);
   return cutLayers(closed.solid, closed.labels, bodies,
                    leafNeighbors(closed.labels.blocks->origins), progress);
@@ -238,7 +245,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   const ClosedMesh closed = closedMesh(solid, progress);
   if (!closed.failure.empty()) return {.failure = closed.failure};
   const double voxel = std::pow(solid.frame.voxelSize, 3);
-  Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed.holes,
+  Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed,
                 voxel * static_cast<double>(kSmallComponentVoxels), progress);
   if (closed.isCrossed || componentsMeet(bodies.mesh().mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
@@ -249,7 +256,9 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
       bodies.isUnited()) {
     surface = cutBodies(solid, labels, bodies, neighborhoods, progress);
   }
-  return checkedUnion(std::move(surface), bodies.united(), progress);
+  surface = checkedUnion(std::move(surface), bodies.united(), progress);
+  if (isShell(solid)) surface.united.before = surface.united.after = 0;  // its folds, no bodies
+  return surface;
 }
 
 }  // namespace sherd
