@@ -171,6 +171,7 @@ struct ManifestFragment {
   std::vector<std::string> meshes;  ///< [formats]; empty if none was written
   std::string vdb;                  ///< empty if none was written
   bool isOfVoxelFaces = false;      ///< the meshes are those of Surface::labels
+  bool isExact = false;             ///< the meshes are those of Surface::exact
   int split = 0;                    ///< that it comes from, 1..splits; 0: none
   std::vector<int> bodies;          ///< of the input, of which it has triangles, ascending
 };

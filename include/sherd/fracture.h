@@ -60,6 +60,9 @@ struct FractureOptions {
   SurfaceOptions surface{};
 };
 
+/// As surfaceOf(options.surface), and Surface::smooth if the whole surface is eroded.
+[[nodiscard]] Surface surfaceOf(const FractureOptions& options);
+
 /// Returns the options of the paper's section 4.1: 128 voxels, uniform seeds, two extra seeds per
 /// fragment merged by the Chebyshev metric, a flood over 6 neighbors, no erosion, meshes of the
 /// labels, smoothed for 0.048 iterations per voxel of the longest side, with weights of 0.2 at
@@ -156,6 +159,7 @@ struct FinishedFracture {
   /// until readFragmentMeshes.
   TriangleMesh faces{};
   std::vector<std::size_t> firstFace{};  ///< [fragments + 1]
+  bool isExact = false;  ///< all fragments have exact surfaces; Surface::automatic then cuts them
 };
 
 /// Breaks some fragments again, each into options.pieces; the others stay.  Options of the whole

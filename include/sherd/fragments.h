@@ -31,9 +31,11 @@ enum class Surface {
            ///< and corners on both sides of a crack.  Where voxels of a fragment share only an edge
            ///< or a corner, each sheet has its own vertices, 1/64 voxel apart, so the mesh is edge-
            ///< and vertex-manifold and stays so if a program merges equal vertices.
-  exact    ///< the input's own triangles, cut by the cracks: outside the cracks every vertex and
+  exact,   ///< the input's own triangles, cut by the cracks: outside the cracks every vertex and
            ///< triangle stays as it is, bit for bit.  Needs Solid::mesh, whose holes are closed by
            ///< faces of their own; where it does not succeed, all fragments get Surface::smooth
+  automatic  ///< exact, or smooth where the input is no mesh or the other options ask for what
+             ///< exact surfaces do not have, see surfaceOf
 };
 
 /// How the surface between two fragments is meshed with Surface::smooth.
@@ -100,7 +102,8 @@ struct SurfaceOptions {
                           ///< above 0
   bool points = false;    ///< makes what points are sampled of, FractureResult::unmerged, so that
                           ///< points do not depend on merged triangles
-  Surface surface = Surface::smooth;
+  Surface surface = Surface::smooth;  ///< RunOptions, of which `sherd fracture` and Python are,
+                                      ///< have Surface::automatic
   Interface interface = Interface::shared;
   SmoothOptions smooth{};                ///< for both surfaces; the default does not smooth
   double adaptivity = kAutoAdaptivity;   ///< 0..1 voxels, or kAutoAdaptivity; 0: none.  Merges
@@ -109,6 +112,11 @@ struct SurfaceOptions {
   std::vector<std::size_t> triangles{};  ///< also decimates every mesh to at most each of these
                                          ///< numbers: >= 4, no duplicates
 };
+
+/// Returns what Surface::automatic stands for where the input is a mesh: Surface::smooth if
+/// vertices are smoothed, interfaces are independent, or there are no meshes, else Surface::exact.
+/// Other surfaces stand for themselves.
+[[nodiscard]] Surface surfaceOf(const SurfaceOptions& options);
 
 /// Checks the options.
 ///   throws  Error(usage) an option out of range

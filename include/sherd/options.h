@@ -119,7 +119,7 @@ struct WriteOptions {
 
 /// All options of a fracture: how it breaks, and what it writes.
 struct RunOptions {
-  FractureOptions fracture{};
+  FractureOptions fracture{.surface = {.surface = Surface::automatic}};
   VolumeOptions volume{};  ///< how an input that is a volume is read
   WriteOptions write{};
   bool recenter = false;  ///< the object is moved so that its box's center is the origin, see

@@ -210,7 +210,7 @@ def voxelize(
     recenter: bool | None = False,
     grid: float | str | os.PathLike[str] | Sequence[Any] | None = None,
     isovalue: float | None = 0.5,
-    surface: Literal["smooth", "labels", "exact"] | None = "smooth",
+    surface: Literal["smooth", "labels", "exact", "auto"] | None = "auto",
 ) -> Solid: ...
 def fracture(
     mesh: Any,
@@ -285,7 +285,7 @@ def fracture(
     precision: Literal["auto", "single", "double"] | None = "auto",
     source_faces: bool | None = False,
     up: Literal["x", "y", "z"] | None = "y",
-    surface: Literal["smooth", "labels", "exact"] | None = "smooth",
+    surface: Literal["smooth", "labels", "exact", "auto"] | None = "auto",
     interface: Literal["shared", "independent"] | None = "shared",
     adaptivity: float | Literal["auto"] | None = "auto",
     smoothing: Literal["taubin", "laplacian"] | None = "taubin",

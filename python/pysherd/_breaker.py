@@ -64,7 +64,7 @@ class Breaker:
         for name in given:
             if solids and name in _SOLID_NAMES:
                 raise UsageError(f"{name.replace('-', '_')}: the solids are voxelized already; give it to voxelize()")
-        if given.get("surface") == "exact" and any(dict(core.given).get("surface") != "exact" for core in solids):
+        if given.get("surface") == "exact" and any(dict(core.given).get("surface") in ("smooth", "labels") for core in solids):
             raise UsageError("surface: a solid keeps no mesh; give surface='exact' to voxelize() too")
 
     def item(self, slots: Iterator[Slot]) -> dict[str, Any]:
@@ -96,6 +96,8 @@ class Breaker:
         own = [option for option in self._options.texts(slot.seed) if option[0] not in _SOLID_NAMES]
         names = {name for name, _ in own}
         texts = [option for option in core.given if option[0] in _KEPT_NAMES - names] + own
+        if not {"surface", "preset"} & {name for name, _ in texts}:
+            texts.append(("surface", "smooth"))
         pieces = int(dict(texts).get("pieces", ROWS["pieces"].default))
         return next(break_solid(core, texts, [(pieces, slot.seed)], self._device, None))
 

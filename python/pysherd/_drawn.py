@@ -35,7 +35,7 @@ class Drawn:
             if keyword not in ACCEPTED:
                 raise UsageError(_options.unknown(keyword, ACCEPTED, "FractureDataset"))
             if value is not None:
-                self._add(ACCEPTED[keyword], value)
+                self._add(ACCEPTED[keyword], "smooth" if (keyword, value) == ("surface", "auto") else value)
         self._check()
 
     def _add(self, row: Row, value: Any) -> None:
@@ -73,7 +73,8 @@ class Drawn:
     def of_solids(self) -> Texts:
         """The options that voxelizing takes."""
         names = {row.name for row in _options.VOXELIZE.values()}
-        return [option for option in self._fixed if option[0] in names]
+        own = [option for option in self._fixed if option[0] in names]
+        return own if {"surface", "preset"} & {name for name, _ in own} else [*own, ("surface", "smooth")]
 
     @property
     def of_points(self) -> Texts:

@@ -292,6 +292,8 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
     const std::vector<std::pair<int, std::uint64_t>>& piecesAndSeeds, const std::string& device,
     const Progress& progress) {
   sherd::RunOptions run = optionsFrom(given);
+  const bool isChosen = run.fracture.surface.surface != sherd::Surface::automatic;
+  if (!isChosen && !solid->solid().mesh) run.fracture.surface.surface = sherd::Surface::smooth;
   run.fracture = optionsFor(run.fracture, run.write);
   if (solid->ownVoxelSize() > 0.0) run.fracture.solid.voxelSize = solid->ownVoxelSize();
   if (run.fracture.surface.surface == sherd::Surface::exact && !solid->solid().mesh) {

@@ -16,7 +16,7 @@ inline constexpr const char* kIslands[] = {"erode", "keep"};
 inline constexpr const char* kMaterial[] = {"none",    "ceramic", "stone",    "glass", "tempered",
                                             "plaster", "wood",    "concrete", "ice"};
 inline constexpr const char* kInterface[] = {"shared", "independent"};
-inline constexpr const char* kSurface[] = {"smooth", "labels", "exact"};
+inline constexpr const char* kSurface[] = {"smooth", "labels", "exact", "auto"};
 inline constexpr const char* kSmoothing[] = {"taubin", "laplacian"};
 inline constexpr const char* kIsolated[] = {"keep", "regrow"};  // by GrowOptions::regrowIsolated
 inline constexpr const char* kPointSampler[] = {"uniform", "halton", "poisson"};

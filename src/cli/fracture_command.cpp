@@ -44,6 +44,7 @@ struct FractureArguments {
   std::vector<int>
       only;  ///< fragments of a finished fracture to break again; empty: MESH is a mesh or volume
   RunOptions run;
+  Surface surface = Surface::automatic;  ///< as asked; that of `run` is what it came to
   bool splitObjects = false;
   OptionUse use;
   MachineOptions machine;
@@ -87,6 +88,14 @@ void readGiven(FractureArguments& arguments, const Progress& progress) {
   }
 }
 
+// Chooses smooth surfaces where exact ones are not asked for and have no mesh to cut.
+void useSmooth(FractureArguments& arguments) {
+  if (arguments.surface != Surface::automatic) return;
+  FractureOptions& options = arguments.run.fracture;
+  options.surface.surface = Surface::smooth;
+  options = optionsFor(options, arguments.run.write);
+}
+
 Input readInput(FractureArguments& arguments, const Progress& progress) {
   Input input;
   readGiven(arguments, progress);
@@ -95,10 +104,11 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     try {
       readFragmentMeshes(arguments.mesh, *input.finished, arguments.run.volume.maxMemory);
     } catch (const Error& e) {
-      const bool isExact = arguments.run.fracture.surface.surface == Surface::exact;
-      if (isExact || e.code() != ErrorCode::input) throw;
+      const bool isAsked = arguments.surface == Surface::exact;
+      if (isAsked || e.code() != ErrorCode::input) throw;
       printMessage("sherd: warning: " + std::string(e.what()) + "; edges are rounded");
     }
+    if (!input.finished->isExact) useSmooth(arguments);
     input.meshes = {input.finished->source};
     input.offsets = {readManifest(arguments.mesh).offset};
     arguments.run.fracture.solid.resolution = input.finished->resolution;
@@ -106,6 +116,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   }
   SourceMesh source;
   if (isVolumeName(arguments.mesh)) {
+    useSmooth(arguments);
     Volume volume = readVolume(arguments.mesh, arguments.run.volume, &progress);
     if (arguments.run.volume.ownVoxels) {
       arguments.run.fracture.solid.voxelSize = volume.voxelSize;
@@ -345,6 +356,7 @@ void runFracture(FractureArguments& arguments) {
   prepareDevice(arguments.machine);
   FractureOptions& options = arguments.run.fracture;
   checkWriteOptions(arguments.run.write, options);
+  arguments.surface = options.surface.surface;
   options = optionsFor(options, arguments.run.write);
   if (options.seeds.given) options.seeds.given->points = readSeedPoints(options.seeds.given->file);
   const auto threads = limitedThreads(arguments.machine);

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <utility>
 
+#include "dataset/identity.h"
+
 namespace sherd {
 GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,
                          std::map<std::string, int> done, const DatasetRun& run,
@@ -95,6 +97,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
     fractureOption(option.name)->value.set(each, plan->drawn.back().second);
   }
   if (offset_) each = recentered(std::move(each), *offset_);
+  each.fracture.surface.surface = surfaceOfDataset(each.fracture);
   plan->options = optionsFor(each.fracture, each.write);
   if (options_.layout == DatasetLayout::bb) plan->options.surface.meshes = true;  // to scale them
   plan->options.pieces = plan->planned.pieces;

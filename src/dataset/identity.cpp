@@ -174,6 +174,7 @@ void check(const DatasetOptions& options) {
 }  // namespace
 
 DatasetOptions checkedOptions(DatasetOptions options) {
+  options.each.fracture.surface.surface = surfaceOfDataset(options.each.fracture);
   check(options);
   checkWriteOptions(options.each.write, optionsFor(options.each.fracture, options.each.write));
   WriteOptions& write = options.each.write;

@@ -226,6 +226,11 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
 
 FractureOptions optionsFor(FractureOptions options, const WriteOptions& write) {
   options.grow.keepCost = write.cost;
+  if (options.surface.surface == Surface::automatic && !write.needsMeshes() &&
+      write.points.count == 0) {
+    options.surface.surface = Surface::smooth;
+  }
+  options.surface.surface = surfaceOf(options);
   options.solid.keepMesh = options.surface.surface == Surface::exact;
   options.solid.keepSeams = options.surface.surface != Surface::labels;
   options.surface.levelSets = write.needsLevelSets();

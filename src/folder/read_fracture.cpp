@@ -119,9 +119,10 @@ FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) 
 void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::uint64_t maxMemory) {
   TriangleMesh faces;
   std::vector<std::size_t> firstFace{0};
-  bool hasVoxelFaces = false;
+  bool hasVoxelFaces = false, isExact = true;
   for (const ManifestFragment& fragment : readManifest(file).fragments) {
     hasVoxelFaces |= fragment.isOfVoxelFaces;
+    isExact &= fragment.isExact;
     const auto ply = std::find_if(fragment.meshes.begin(), fragment.meshes.end(),
                                   [](const std::string& name) { return name.ends_with(".ply"); });
     if (ply == fragment.meshes.end()) return;
@@ -134,6 +135,7 @@ void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::u
   if (!hasVoxelFaces) finished.solid.region = regionOf(finished.solid, originalOf(faces));
   finished.faces = std::move(faces);
   finished.firstFace = std::move(firstFace);
+  finished.isExact = isExact;
 }
 
 }  // namespace sherd

@@ -130,8 +130,9 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   const Json& contacts = field(json, "contacts", where);
   if (!contacts.is_array()) damaged(where + "'s \"contacts\" is not a list");
   fragment.contacts = contacts.size();
-  fragment.isOfVoxelFaces =  // manifests of sherd/1 may be without
-      json.value("surface", Json()) == names::of(names::kSurface, Surface::labels);
+  const Json surface = json.value("surface", Json());  // manifests of sherd/1 may be without
+  fragment.isOfVoxelFaces = surface == names::of(names::kSurface, Surface::labels);
+  fragment.isExact = surface == names::of(names::kSurface, Surface::exact);
   if (json.contains("split")) {
     fragment.split = wholeIn(json["split"], 0, kMaxFragments, where + "'s split");
   }

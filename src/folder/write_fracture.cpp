@@ -99,6 +99,15 @@ void checkInput(const FractureInput& input, const WriteOptions& write) {
   }
 }
 
+// Returns options with smooth surfaces where exact ones are not asked for and cut no mesh.
+FractureOptions chosenFor(const FractureInput& input, FractureOptions options) {
+  const bool hasMesh = input.finished != nullptr ? input.finished->isExact : !input.solid;
+  if (options.surface.surface == Surface::automatic && !hasMesh) {
+    options.surface.surface = Surface::smooth;
+  }
+  return options;
+}
+
 GrownFracture grownFrom(FractureInput& input, const FractureOptions& options, Device& device,
                         const Progress* progress) {
   if (input.finished != nullptr) {
@@ -144,7 +153,7 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
                              const FractureOptions& asked, Device& device,
                              const WriteOptions& write, const Progress* progress) {
   checkInput(input, write);
-  const FractureOptions options = optionsFor(asked, write);
+  const FractureOptions options = optionsFor(chosenFor(input, asked), write);
   checkWriteOptions(write, options);
   checkFractureFolder(folder);
   const SourceMesh& source = input.source;

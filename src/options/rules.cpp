@@ -263,8 +263,9 @@ std::vector<Rule> surfaceRules() {
       {{"surface"},
        Verdict::idle,
        [](O o, U u) {
-         return o.fracture.surface.surface != Surface::smooth && !u.isGiven("interface") &&
-                o.fracture.surface.interface == Interface::independent;
+         const Surface surface = o.fracture.surface.surface;
+         return (surface == Surface::labels || surface == Surface::exact) &&
+                !u.isGiven("interface") && o.fracture.surface.interface == Interface::independent;
        },
        "makes neighbors share vertices, which {preset} training prevents for smooth surfaces only",
        {"surface", "interface"}},

@@ -36,7 +36,7 @@ GrownFracture grown(const TriangleMesh& mesh, const FractureOptions& options, De
   StageClock clock;
   implOf(device).buildKernels();
   SolidOptions solidOptions = options.solid;
-  solidOptions.keepMesh = solidOptions.keepMesh || options.surface.surface == Surface::exact;
+  solidOptions.keepMesh = solidOptions.keepMesh || surfaceOf(options) == Surface::exact;
   solidOptions.keepSeams = solidOptions.keepSeams && options.surface.meshes &&
                            options.surface.surface != Surface::labels;
   Solid solid = voxelize(mesh, solidOptions, progress);

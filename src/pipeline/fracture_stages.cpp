@@ -96,6 +96,12 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
 
 }  // namespace
 
+Surface surfaceOf(const FractureOptions& options) {
+  const bool isAutomatic = options.surface.surface == Surface::automatic;
+  const bool isEroded = options.erode.on == ErodeOn::all && !options.erode.iterations.isZero();
+  return isAutomatic && isEroded ? Surface::smooth : surfaceOf(options.surface);
+}
+
 void checkOptions(const FractureOptions& options) {
   if (options.surface.surface == Surface::exact && options.erode.on == ErodeOn::all &&
       !options.erode.iterations.isZero()) {
@@ -362,8 +368,10 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
   FractureResult& result = grown.result;
   StageClock clock(std::move(result.times));
   if (options.surface.meshes) {
+    SurfaceOptions surface = options.surface;
+    if (surfaceOf(options) == Surface::smooth) surface.surface = Surface::smooth;
     ExtractedFragments all =
-        extractAll(result.solid, result.labels, grown.extractOptions(options.surface), progress);
+        extractAll(result.solid, result.labels, grown.extractOptions(surface), progress);
     result.fragments = std::move(all.fragments);
     result.exactFailure = std::move(all.exactFailure);
     result.united = std::move(all.united);

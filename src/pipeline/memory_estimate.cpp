@@ -164,7 +164,7 @@ double meshFactor(const SurfaceOptions& surface, MeshesHeld held, double resolut
 
 // Returns what exact surfaces take beyond smooth ones.
 double bytesForExact(std::size_t triangles, double cuts, const FractureOptions& options) {
-  if (options.surface.surface != Surface::exact) return 0.0;
+  if (surfaceOf(options) != Surface::exact) return 0.0;
   return kExactTriangle * static_cast<double>(triangles) +
          (options.grow.roughness.isZero() ? kExactCut : kExactRoughCut) * cuts;
 }

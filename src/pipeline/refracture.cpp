@@ -106,7 +106,9 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
   finished.solid.blocks->forEachInside([&](std::size_t voxelIndex) {
     result.labels.fragment[voxelIndex] = newId[finished.labels.fragment[voxelIndex]];
   });
-  const bool isExact = options.surface.surface == Surface::exact;
+  const bool isExact = options.surface.surface == Surface::automatic
+                           ? read.isExact && surfaceOf(options) == Surface::exact
+                           : options.surface.surface == Surface::exact;
   std::vector<BrokenFragment> parts;
   GuidedSplits guided;
   SolidWalls walls(finished.solid);

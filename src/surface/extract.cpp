@@ -100,12 +100,16 @@ CutExtent extentFor(const SurfaceOptions& surface) {
   return surface.interface == Interface::independent ? CutExtent::everywhere : CutExtent::cells;
 }
 
-const SurfaceOptions& checked(const Solid& solid, const ExtractOptions& options,
-                              const Progress* progress) {
+SurfaceOptions checked(const Solid& solid, const ExtractOptions& options,
+                       const Progress* progress) {
   checkSurfaceOptions(options.surface);
   if (options.uneroded != nullptr) checkLabels(*options.uneroded, solid);
   reportProgress(progress, "extract", 0.0);
-  return options.surface;
+  SurfaceOptions surface = options.surface;
+  const bool hasMesh = solid.mesh != nullptr || options.exact != nullptr;
+  if (surface.surface == Surface::automatic && !hasMesh) surface.surface = Surface::smooth;
+  surface.surface = surfaceOf(surface);
+  return surface;
 }
 
 }  // namespace
@@ -377,7 +381,8 @@ TriangleMesh solidMesh(const Solid& solid, double adaptivity) {
   LabeledMesh mesh = InterfaceMeshes(surface, neighborhoods, nullptr).meshOf(1);
   mesh.mesh.neighbor = mesh.other;
   if (solid.seams) cutTogether(std::span(&mesh, 1), *solid.seams, solid.frame);
-  const Simplification simplification = simplificationOf({.adaptivity = adaptivity}, solid);
+  const Simplification simplification =
+      simplificationOf({.surface = Surface::smooth, .adaptivity = adaptivity}, solid);
   if (!simplification.isAny()) return std::move(mesh.mesh);
   return std::move(simplified(complexOf(std::span(&mesh, 1)), simplification).front().mesh);
 }

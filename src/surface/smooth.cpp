@@ -149,6 +149,14 @@ bool movesAnything(const SmoothOptions& options, int longestSide) {
          options.boundaryIterations.over(longestSide) > 0;
 }
 
+Surface surfaceOf(const SurfaceOptions& options) {
+  if (options.surface != Surface::automatic) return options.surface;
+  const bool isSmooth = !options.meshes || options.interface == Interface::independent ||
+                        isAny(options.smooth.iterations) ||
+                        isAny(options.smooth.boundaryIterations);
+  return isSmooth ? Surface::smooth : Surface::exact;
+}
+
 bool canLackMeshes(const SurfaceOptions& options) {
   return !options.levelSets && options.surface == Surface::smooth &&
          options.interface == Interface::shared && options.adaptivity <= 0.0 &&

@@ -77,6 +77,9 @@ class Look(CommandLine):
         self.path("paint.png", PICTURE)
         return self.path("drum.obj", drum(**more))
 
+    def done(self, *arguments, **more):
+        return super().done("--surface", "smooth", *arguments, **more)
+
     def pieces(self):
         with open(os.path.join(self.out, "manifest.json")) as file:
             return json.load(file)

@@ -495,7 +495,8 @@ class FullDisk(CommandLine):
         # the one mesh of 10 MB
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (3_000_000, 3_000_000))
-        arguments = ["fracture", self.ball, "-o", self.out, "--pieces", "1", "--resolution", "256", "--write", "mesh", "--adaptivity", "0"]
+        arguments = ["fracture", self.ball, "-o", self.out, "--pieces", "1", "--resolution", "256", "--write", "mesh", "--surface", "smooth",
+                     "--adaptivity", "0"]
         self.refused(5, self.run_sherd(*arguments, preexec_fn=limit), self.out, "file too large after 3")
         self.nothing_written()
 

@@ -195,7 +195,7 @@ class Run(Dataset):
             drawn.add(json.dumps(row["options"]))
             alone = os.path.join(self.tmp, "alone")
             options = [f"--{name}={value}" for name, value in row["options"].items()]
-            run = self.run_sherd("fracture", os.path.join(self.library, row["object"]), "-o", alone, "--resolution", "24",
+            run = self.run_sherd("fracture", os.path.join(self.library, row["object"]), "-o", alone, "--resolution", "24", "--surface", "smooth",
                                  "--pieces", str(row["pieces"]), "--seed", str(row["seed"]), "--extra-seeds", "2n",
                                  "--points", "32", "--write", "labels,mesh", *options)
             self.assertEqual(run.returncode, 0, run.stderr)

@@ -264,7 +264,7 @@ class Exact(CommandLine):
                         break
             self.assertEqual(fragment["bodies"], found)
         self.assertEqual({tuple(f["bodies"]) for f in manifest["fragments"]} & {(2,)}, {(2,)})
-        self.done(mesh=mesh, out=self.path("smooth"))
+        self.done("--surface", "smooth", mesh=mesh, out=self.path("smooth"))
         self.assertNotIn("bodies", self.manifest(self.path("smooth")))
         self.exact(out=self.path("one"))
         self.assertNotIn("bodies", self.manifest(self.path("one")))
@@ -285,12 +285,42 @@ class Exact(CommandLine):
         area = sum(areas(v, f[(neighbor == 0) & (face["source_face"] == -1)]).sum() for _, v, f, neighbor, face in self.pieces())
         self.assertAlmostEqual(area, closed["area"], 12)
 
-    def test_shells_get_the_smooth_surface_with_a_warning(self):
-        result = self.exact("--fill", "shell")
-        self.assertIn("the mesh is not filled by winding numbers, so the fragments have the smooth surface instead of the exact one", result.stderr)
-        manifest = self.manifest()
-        self.assertEqual(manifest["exact_failure"], "the mesh is not filled by winding numbers")
-        self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"smooth"})
+    def test_meshes_that_are_not_filled_by_winding_get_the_smooth_surface_with_a_warning(self):
+        for options in (("--surface", "exact"), ()):  # automatic is the default
+            result = self.done("--write", "mesh", "--fill", "parity", *options, mesh=str(self.mesh), pieces=7)
+            self.assertIn("the mesh is not filled by winding numbers, so the fragments have the smooth surface instead of the exact one", result.stderr)
+            manifest = self.manifest()
+            self.assertEqual(manifest["exact_failure"], "the mesh is not filled by winding numbers")
+            self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"smooth"})
+
+    def surfaces(self, *options, **more):
+        result = self.done(*options, **{"mesh": str(self.mesh), "pieces": 3, **more})
+        manifest = self.manifest(more.get("out"))
+        self.assertNotIn("exact_failure", manifest)
+        self.assertNotIn("the smooth surface", result.stderr)
+        (surface,) = {f["surface"] for f in manifest["fragments"]}
+        return surface
+
+    def test_automatic_surfaces_are_exact_where_these_can_be(self):
+        self.assertEqual(self.surfaces("--write", "mesh"), "exact")
+        meshes = tree(os.path.join(self.out, "meshes"))
+        self.assertEqual(self.surfaces("--write", "mesh", "--surface", "exact", out=self.path("asked")), "exact")
+        self.assertEqual(tree(os.path.join(self.path("asked"), "meshes")), meshes)
+        self.assertEqual(self.surfaces("--write", "labels", "--points", "9"), "exact")
+        for options in (("--write", "labels"), ("--interface", "independent"), ("--preset", "training"), ("--smooth-iterations", "2"),
+                        ("--erode-iterations", "1", "--erode-on", "all")):
+            self.assertEqual(self.surfaces(*options), "smooth")
+        self.assertEqual(self.surfaces("--preset", "paper"), "labels")
+        # A volume has no triangles, and fragments are broken again as they are.
+        self.assertEqual(self.surfaces(out=self.path("volume")), "exact")
+        volume = os.path.join(self.path("volume"), self.manifest(self.path("volume"))["fragments"][0]["files"]["vdb"])
+        self.assertEqual(self.surfaces(mesh=volume), "smooth")
+        for name, options in (("volume", ()), ("smooth", ("--surface", "smooth"))):
+            surface = self.surfaces(*options, out=self.path(name))
+            again = self.path(name + "-again")
+            run = self.run_sherd("fracture", os.path.join(self.path(name), "manifest.json"), "-o", again, "--only", "2", "--pieces", "2")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual({f["surface"] for f in self.manifest(again)["fragments"]}, {surface})
 
     def test_adaptivity_is_for_the_smooth_surface_only(self):
         self.exact()
@@ -298,8 +328,9 @@ class Exact(CommandLine):
         self.exact("--adaptivity", "0.1", out=adapted)
         meshes = {path.name: path.read_bytes() for path in pathlib.Path(self.out, "meshes").iterdir()}
         self.assertEqual(meshes, {path.name: path.read_bytes() for path in pathlib.Path(adapted, "meshes").iterdir()})
-        self.exact("--fill", "shell", "--adaptivity", "0.1", out=self.path("few"))
-        self.done("--precision", "double", "--write", "mesh", "--fill", "shell", "--adaptivity", "0.1", mesh=str(self.mesh), pieces=7, out=self.path("smooth"))
+        self.exact("--fill", "parity", "--adaptivity", "0.1", out=self.path("few"))
+        self.done("--precision", "double", "--write", "mesh", "--fill", "parity", "--surface", "smooth", "--adaptivity", "0.1", mesh=str(self.mesh), pieces=7,
+                  out=self.path("smooth"))
         few, smooth = ([path.read_bytes() for path in sorted(pathlib.Path(self.path(name), "meshes").iterdir())] for name in ("few", "smooth"))
         self.assertEqual(few, smooth)
 

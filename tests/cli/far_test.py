@@ -116,7 +116,7 @@ class FarFromTheOrigin(CommandLine):
         self.assertRegex(evaluation.stdout, r"sound meshes +3 of 3")
 
     def test_formats_of_floats_are_warned_of(self):
-        run = self.done("--write", "mesh,graph", "--mesh-format", "glb,ply,stl", "--points", "5", mesh=self.far)
+        run = self.done("--write", "mesh,graph", "--mesh-format", "glb,ply,stl", "--points", "5", "--surface", "smooth", mesh=self.far)
         warnings = [line for line in run.stderr.splitlines() if "warning" in line]
         self.assertEqual(len(warnings), 1, run.stderr)
         for word in (".glb, .stl, graph.geo, points", "0.25 units", "recenter", ".ply and .obj"):  # half of the floats' step at 4.5e6
@@ -165,10 +165,10 @@ class FarFromTheOrigin(CommandLine):
         self.assertEqual({tuple(p) for p in read_text_stl(self.path_of("a.stl")).reshape(-1, 3)}, {tuple(p) for p in self.corners + UTM})
 
     def test_near_the_origin_files_are_as_with_single(self):
-        self.done("--write", "mesh", "--mesh-format", "ply,obj", mesh=self.near)
+        self.done("--write", "mesh", "--mesh-format", "ply,obj", "--surface", "smooth", mesh=self.near)
         automatic = [pathlib.Path(p).read_bytes() for i in (0, 1) for p in self.meshes(index=i)]
         self.assertNotIn("mesh_precision", self.manifest()["options"])
-        self.done("--write", "mesh", "--mesh-format", "ply,obj", "--precision", "single", mesh=self.near)
+        self.done("--write", "mesh", "--mesh-format", "ply,obj", "--precision", "single", "--surface", "smooth", mesh=self.near)
         self.assertEqual(automatic, [pathlib.Path(p).read_bytes() for i in (0, 1) for p in self.meshes(index=i)])
 
     # ---- --recenter
@@ -185,7 +185,7 @@ class FarFromTheOrigin(CommandLine):
 
     def test_a_recentered_object_is_the_one_at_the_origin(self):
         one, other = self.path_of("one"), self.path_of("other")
-        options = ("--growth", "flood", "--write", self.ALL, "--mesh-format", "ply,obj,glb,stl", "--points", "9", "--sdf-samples", "9", "--correspondences", "9")
+        options = ("--growth", "flood", "--surface", "smooth", "--write", self.ALL, "--mesh-format", "ply,obj,glb,stl", "--points", "9", "--sdf-samples", "9", "--correspondences", "9")
         self.done(*options, mesh=self.near, out=one)
         run = self.done(*options, "--recenter", mesh=self.far, out=other)
         self.assertNotIn("warning", run.stderr)

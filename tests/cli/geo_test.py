@@ -131,7 +131,7 @@ class Geo(CommandLine):
         self.path("drum.obj", drum())
         self.path("drum.mtl", b"newmtl side of it\nKd 0.5 1 1\nmap_Kd wood.png\nnewmtl cap\nKd 0.25 0.5 1\n")
         self.path("wood.png", PICTURE)
-        manifest = self.broken(mesh=self.path("drum.obj"), pieces=4)
+        manifest = self.broken("--surface", "smooth", mesh=self.path("drum.obj"), pieces=4)
         geo = self.check_pieces(manifest)
         self.assertEqual([geo.meanings["vertex", name] for name in ("uv", "Cd")], ["texturecoord", "color"])
         self.assertNotIn(("vertex", "N"), geo.attributes)

@@ -128,7 +128,7 @@ class Densities(Guided):
 
 class Guides(Guided):
     def broken(self, *options, **more):
-        self.done("--growth", "sequential", *options, **more)
+        self.done("--growth", "sequential", "--surface", "smooth", *options, **more)
         manifest = self.manifest()
         self.assertEqual(len(manifest["fragments"]), more.get("pieces", 3))
         return manifest

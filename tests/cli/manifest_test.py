@@ -64,7 +64,7 @@ class Manifests(CommandLine):
             return value
 
         self.assertEqual(manifests.faults_of(self.manifest), [])
-        optional = {"report", "resolution", "fill", "vdb", "mesh", "plain_meshes", "up", "file_vertices", "vertices", "triangles",
+        optional = {"mesh_precision", "rounded_crossings", "report", "resolution", "fill", "vdb", "mesh", "plain_meshes", "up", "file_vertices", "vertices", "triangles",
                     "degenerate_triangles", "thinnest_voxels", "resolution_to_hold"}
         for keys in objects(self.manifest):
             more = self.changed(lambda manifest: at(manifest, keys).update(foreign=1))

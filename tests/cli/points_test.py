@@ -47,7 +47,7 @@ class Points(CommandLine):
         """The manifest of the amphora in five pieces."""
         out = out or self.out
         result = self.run_sherd("fracture", AMPHORA, "-o", out, "--resolution", "48", "--pieces", str(PIECES),
-                                "--write", write, *options)
+                                "--write", write, "--surface", "smooth", *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(os.path.join(out, "manifest.json")) as file:
             return json.load(file)
@@ -150,7 +150,8 @@ class Points(CommandLine):
         trees = {}
         for write, *options in (("points",), ("points,mesh",), ("points,mesh", "--adaptivity", "0")):
             out = self.path(f"{write}{len(options)}")
-            result = self.run_sherd("fracture", cube, "-o", out, "--resolution", "48", "--pieces", "4", "--points", "200", "--write", write, *options)
+            result = self.run_sherd("fracture", cube, "-o", out, "--resolution", "48", "--pieces", "4", "--points", "200", "--write", write,
+                                    "--surface", "smooth", *options)
             self.assertEqual(result.returncode, 0, result.stderr)
             trees[out] = tree(os.path.join(out, "points"))
             if not options and "mesh" in write:

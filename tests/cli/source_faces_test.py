@@ -315,9 +315,10 @@ class SourceFaces(CommandLine):
     # --- what does not have it
 
     def test_without_it_all_else_is_the_same(self):
-        self.done("--write", "mesh,labels", "--mesh-format", "ply,obj")
-        self.done("--write", "mesh,labels", "--mesh-format", "ply,obj", "--source-faces", out=self.path("with"))
-        self.done("--write", "mesh,labels", "--mesh-format", "ply,obj", "--source-faces", out=self.path("again"))
+        options = ("--surface", "smooth", "--write", "mesh,labels", "--mesh-format", "ply,obj")
+        self.done(*options)
+        self.done(*options, "--source-faces", out=self.path("with"))
+        self.done(*options, "--source-faces", out=self.path("again"))
         without, with_it = tree(self.out), tree(self.path("with"))
         self.assertEqual(with_it, tree(self.path("again")))
         differ = {name for name in without if without[name] != with_it[name]}

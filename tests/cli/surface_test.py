@@ -56,8 +56,9 @@ class SurfaceCase(CommandLine):
 
 
 class Labels(SurfaceCase):
-    def test_default_is_smooth(self):
-        self.assertEqual(self.broken()["options"]["surface"], BARE)
+    def test_default_is_exact(self):
+        self.assertEqual(self.broken()["options"]["surface"], {**BARE, "of": "exact"})
+        self.assertEqual(self.broken("--surface", "smooth")["options"]["surface"], BARE)
 
     def test_labels_are_the_voxels(self):
         manifest = self.broken("--surface", "labels")

@@ -167,7 +167,7 @@ class Usd(CommandLine):
         self.path("drum.obj", drum())
         self.path("drum.mtl", b"newmtl side of it\nKd 0.5 1 1\nmap_Kd the@wood.png\nnewmtl cap\nKd 0.25 0.5 1\n")
         self.path("the@wood.png", PICTURE)
-        manifest = self.broken(mesh=self.path("drum.obj"), pieces=4)
+        manifest = self.broken("--surface", "smooth", mesh=self.path("drum.obj"), pieces=4)
         _, root, pieces = self.scene()
         materials = {m.name: m for m in root.child("materials").children}
         self.assertEqual(sorted(materials), ["cap", "inside", "side_of_it"])

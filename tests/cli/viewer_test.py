@@ -95,7 +95,8 @@ class Meshes(Viewer):
                 self.assertGreater(len(lines), 10)
 
     def test_a_piece_of_more_corners_than_two_bytes_count(self):
-        done = self.run_sherd("fracture", AMPHORA, "-o", self.out, "--pieces", "2", "--resolution", "330", "--write", "mesh")
+        done = self.run_sherd("fracture", AMPHORA, "-o", self.out, "--pieces", "2", "--resolution", "330", "--write", "mesh",
+                              "--surface", "smooth")
         self.assertEqual(done.returncode, 0, done.stderr)
         page = self.viewed()
         self.assertGreater(max(piece["vertices"] for piece in page.scene["pieces"]), 65536)
