@@ -45,6 +45,8 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const FractureOp
   clock.done("write");
   std::vector<MeshFacts> facts;
   if (result.surfaces) facts = meshFacts(*result.surfaces);
+  const bool sharesPointsOfMeshes =
+      write.sharePoints && write.points.count > 0 && !result.surfaces && !result.unmerged;
   std::size_t first = 0;
   for (std::vector<Fragment> some = extraction.next(); !some.empty(); some = extraction.next()) {
     clock.done("extract");
@@ -58,7 +60,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const FractureOp
     for (std::size_t i = first; i < end; ++i) {
       Fragment& fragment = result.fragments[i];
       if (!write.needsAllLevelSets()) fragment.surface = nullptr;
-      if (write.needsAllMeshes()) continue;
+      if (write.needsAllMeshes() || sharesPointsOfMeshes) continue;
       fragment.mesh = {};
     }
     first = end;

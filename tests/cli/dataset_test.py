@@ -181,7 +181,7 @@ class Run(Dataset):
         row = next(r for r in self.rows() if r["fracture"] == "3f_0")
         alone = os.path.join(self.tmp, "alone")
         again = self.run_sherd("fracture", os.path.join(self.library, "ball.obj"), "-o", alone, "--resolution", "24",
-                               "--pieces", "3", "--seed", str(row["seed"]), "--write", "labels", "--points", "50")
+                               "--pieces", "3", "--seed", str(row["seed"]), "--write", "labels", "--points", "50", "--surface", "smooth")
         self.assertEqual(again.returncode, 0, again.stderr)
         folder = os.path.dirname(row["labels"][0])
         self.assertEqual(tree(alone), tree(os.path.join(self.out, folder)))

@@ -90,7 +90,7 @@ class Signals(CommandLine):
             shutil.copy(at("ball.obj"), at(os.path.join("library", name)))
         for arguments in (["fracture", "ball.obj", "-o", "old", "--pieces", "12", "--resolution", "48"],
                           ["fracture", "ball.obj", "-o", "pieces", "--pieces", "8", "--resolution", "96"]):
-            run = subprocess.run([SHERD, *arguments], cwd=cls.base, capture_output=True, text=True)
+            run = subprocess.run([SHERD, *arguments, "--surface", "smooth"], cwd=cls.base, capture_output=True, text=True)
             assert run.returncode == 0, run.stderr
         for name in "old.csv", "old.png", "old.stl", "old.rle":
             with open(at(name), "w") as file:

@@ -235,11 +235,22 @@ TEST(CloseMesh, OpenBoxesThatTouchBecomeOneBody) {
   EXPECT_NEAR(sum, 2.0, 1e-9);
 }
 
-TEST(CloseMesh, AShellFallsBackWithTheReason) {
+// Three squares at one edge.
+TEST(CloseMesh, AShellThatCrossesItselfFallsBackWithTheReason) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {0, 0, 1}};
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / 3.0;
+    for (const double z : {0.0, 1.0})
+      mesh.vertices.emplace_back(std::cos(angle), std::sin(angle), z);
+    const std::uint32_t low = 2 + 2 * k, high = low + 1;
+    mesh.triangles.insert(mesh.triangles.end(), {{0, low, high}, {0, high, 1}});
+  }
   FractureOptions options = exactOptions(3, 32);
   options.solid.fill = Fill::automatic;
-  const FractureResult result = broken(tube(24, 1.0, 1.0), options);
-  EXPECT_EQ(result.exactFailure, "the mesh is not filled by winding numbers");
+  const FractureResult result = broken(mesh, options);
+  EXPECT_EQ(result.solid.report.fill, Fill::shell);
+  EXPECT_EQ(result.exactFailure, "as a shell of its thickness it crosses itself");
 }
 
 // Of a ball, two caps and a strip between them are left.  One loop goes around all, and the faces
