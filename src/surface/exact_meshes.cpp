@@ -17,7 +17,7 @@
 #include "surface/cut.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
-#include "surface/merge_facets.h"
+#include "surface/simplified_cracks.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -115,7 +115,8 @@ class Bodies {
 //   solid, labels  of the layer
 ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMesh& mesh,
                       std::function<bool(const glm::dvec3&)> isInside,
-                      std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+                      std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                      const Progress* progress) {
   const Cut cut = findCut(labels, neighborhoods, CutExtent::exact, progress);
   const Labels beyond = labelsBeyond(solid, labels, cut, neighborhoods);
   const Complex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
@@ -125,12 +126,12 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
                           [&](const glm::dvec3& p) { return nearestLabel(beyond, indexOf(p)); },
                           std::move(isInside)};
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
-  const double tolerance = kCrackTolerance * solid.frame.voxelSize;
   ExactSurface surface;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const MergeOptions merging{.facets = {.cracks = {.tolerance = tolerance}},
-                               .displacementSeed = static_cast<std::uint64_t>(attempt)};
-    const Complex simple = withMergedFacets(cracks, merging, progress).complex;
+    const Complex simple = simplifiedCracks(
+        cracks, mesh, solid.frame,
+        {.adaptivity = adaptivity, .displacementSeed = static_cast<std::uint64_t>(attempt)},
+        progress);
     surface = exactSurface(mesh, simple, fragments, space, progress);
     if (!surface.isDegenerate) break;
   }
@@ -148,10 +149,11 @@ void setSources(ExactSurface& surface, std::span<const std::uint32_t> source) {
 
 // Cuts a mesh, one layer after the other.  A fragment is in one layer.
 ExactSurface cutLayers(const Solid& solid, const Labels& labels, const SolidMesh& mesh,
-                       std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+                       std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                       const Progress* progress) {
   if (mesh.layer.empty()) {
     ExactSurface surface =
-        cutLayer(solid, labels, mesh.mesh, insideOf(solid), neighborhoods, progress);
+        cutLayer(solid, labels, mesh.mesh, insideOf(solid), neighborhoods, adaptivity, progress);
     setSources(surface, mesh.source);
     return surface;
   }
@@ -163,7 +165,8 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const SolidMesh
     const TriangleTree tree(own.mesh);
     ExactSurface surface = cutLayer(
         part, labelsOfLayer(labels, part), own.mesh,
-        [&](const glm::dvec3& p) { return tree.winding(p) >= 0.5; }, neighborhoods, progress);
+        [&](const glm::dvec3& p) { return tree.winding(p) >= 0.5; }, neighborhoods, adaptivity,
+        progress);
     if (!surface.failure.empty()) return surface;
     setSources(surface, own.source);
     for (std::size_t i = 0; i < all.meshes.size(); ++i) {
@@ -197,7 +200,8 @@ ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united) {
 }  // namespace
 
 ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
-                         std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+                         std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                         const Progress* progress) {
   if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
     return {.failure = std::move(obstacle)};
   }
@@ -205,11 +209,12 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   if (componentsMeet(solid.mesh->mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
   }
-  ExactSurface surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, progress);
+  ExactSurface surface =
+      cutLayers(solid, labels, bodies.mesh(), neighborhoods, adaptivity, progress);
   // A body that crosses itself is cut as it is where no crack meets the crossings.
   if (!surface.failure.empty() && !bodies.isTried() && bodies.unite().empty() &&
       bodies.united().mesh != nullptr) {
-    surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, progress);
+    surface = cutLayers(solid, labels, bodies.mesh(), neighborhoods, adaptivity, progress);
   }
   return checkedUnion(std::move(surface), bodies.united());
 }
