@@ -108,7 +108,9 @@ struct SurfaceOptions {
   SmoothOptions smooth{};                ///< for both surfaces; the default does not smooth
   double adaptivity = kAutoAdaptivity;   ///< 0..1 voxels, or kAutoAdaptivity; 0: none.  Merges
                                          ///< polygons in flat regions: the largest rms distance of
-                                         ///< a vertex from the planes of the faces it replaces
+                                         ///< a vertex from the planes of the faces it replaces.  Of
+                                         ///< Surface::exact only cracks, and if not 0 at least
+                                         ///< kPlanarCrackTolerance, as kAutoAdaptivity
   std::vector<std::size_t> triangles{};  ///< also decimates every mesh to at most each of these
                                          ///< numbers: >= 4, no duplicates
 };

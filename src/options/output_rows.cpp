@@ -349,15 +349,24 @@ const Row kSurfaceRows[]{
     {.name = "adaptivity",
      .group = "Surface",
      .value = adaptivity(),
-     .help = "Simplify flat regions: error in voxels that a vertex may have; 0 none; auto: merge "
-             "the triangles in each plane where the mesh is piecewise flat",
-     .details = "fewer polygons in flat regions: the largest rms distance, in voxels, "
-                "from a vertex to the planes of the faces it replaces. Applied after "
-                "smoothing, which needs the even triangles of the extracted mesh. `auto` merges "
-                "the triangles within 0.005 voxels of a plane, of cracks within 0.1, where at "
-                "least half of the mesh's surface is flat at the scale of a voxel, and its texture "
-                "coordinates and colors are linear in its planes. With `--surface exact` only "
-                "where it does not succeed",
+     .help =
+         "Simplify flat regions: error in voxels that a vertex may have; 0 none; auto: merge the "
+         "triangles in each plane where the mesh is piecewise flat; exact surfaces' cracks have "
+         "0.1 "
+         "at least",
+     .details =
+         "fewer polygons in flat regions: the largest rms distance, in voxels, "
+         "from a vertex to the planes of the faces it replaces. Applied after "
+         "smoothing, which needs the even triangles of the extracted mesh. `auto` merges "
+         "the triangles within 0.005 voxels of a plane, of cracks within 0.1, where at "
+         "least half of the mesh's surface is flat at the scale of a voxel, and its texture "
+         "coordinates and colors are linear in its planes. With `--surface exact` the outside "
+         "keeps the input's triangles, and only cracks are simplified, planar, bent and rough ones "
+         "alike: their planes are merged within 0.1 voxels, then all of them within the error. "
+         "`auto` is 0.1 for them, and so is any number below it but 0, which keeps all faces. "
+         "In the mean over a crack the distance from the full one stays below the error; "
+         "single points are up to six times as far "
+         "([triangles, distances and cost](history/surface.md#simplified-cracks))",
      .key = "surface.adaptivity",
      .drawn = true,
      .unit = "voxels"},

@@ -139,7 +139,8 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
   result.eroded.assign(result.parents.size() + 1, 0);
   clock.done("grow");
   if (isExact) {
-    all.exact = exactMeshesAgain(finished, parts, newId, result.labels, progress);
+    all.exact = exactMeshesAgain(finished, parts, newId, result.labels, options.surface.adaptivity,
+                                 progress);
     clock.done("extract");
   }
   result.times = clock.times();

@@ -161,14 +161,15 @@ glm::dvec3 centroidOf(const TriangleMesh& mesh, std::size_t t) {
 
 // The meshes of a broken fragment's parts, with TriangleMesh::source in finished.faces.
 ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& broken,
-                      const Progress* progress) {
+                      double adaptivity, const Progress* progress) {
   auto mesh = std::make_shared<const SolidMesh>(meshOf(finished, broken.id));
   if (mesh->mesh.triangles.empty()) return {.failure = "it has no mesh"};
   Solid solid = broken.solid;
   solid.report.fill = Fill::winding;
   solid.report.defects.components = meshComponents(mesh->mesh).count;
   solid.mesh = std::move(mesh);
-  return exactMeshes(solid, broken.labels, leafNeighbors(solid.blocks->origins), progress);
+  return exactMeshes(solid, broken.labels, leafNeighbors(solid.blocks->origins), adaptivity,
+                     progress);
 }
 
 // A fragment that stays.
@@ -237,7 +238,7 @@ void setExteriorBand(LeafBlocks& blocks) {
 ExactSurface exactMeshesAgain(const FinishedFracture& finished,
                               std::span<const BrokenFragment> broken,
                               std::span<const std::uint16_t> newId, const Labels& labels,
-                              const Progress* progress) {
+                              double adaptivity, const Progress* progress) {
   if (finished.firstFace.empty()) {
     return {.failure = "the fracture was written without .ply meshes with neighbors"};
   }
@@ -248,7 +249,7 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
     all.meshes.push_back(keptMesh(finished, id, newId[static_cast<std::size_t>(id)], neighbors));
   }
   for (const BrokenFragment& one : broken) {
-    ExactSurface parts = cutAgain(finished, one, progress);
+    ExactSurface parts = cutAgain(finished, one, adaptivity, progress);
     if (!parts.failure.empty()) {
       return {.failure = "fragment " + std::to_string(one.id) + ": " + parts.failure};
     }

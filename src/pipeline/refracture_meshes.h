@@ -27,10 +27,12 @@ void setExteriorBand(LeafBlocks& blocks);
 /// broken ones, cut.  TriangleMesh::source is an index in `finished.faces`.
 ///   newId   [old fragments + 1] of those that were kept, else 0
 ///   labels  of all new fragments
+///   adaptivity  SurfaceOptions::adaptivity
 ///   return  a failure where a mesh is missing, open, or can't be cut
 [[nodiscard]] ExactSurface exactMeshesAgain(const FinishedFracture& finished,
                                             std::span<const BrokenFragment> broken,
                                             std::span<const std::uint16_t> newId,
-                                            const Labels& labels, const Progress* progress);
+                                            const Labels& labels, double adaptivity,
+                                            const Progress* progress);
 
 }  // namespace sherd

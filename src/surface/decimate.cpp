@@ -6,10 +6,12 @@
 //     boundary - fixed     along a boundary edge only, to the fixed vertex
 //
 // No collapse changes the topology, flips a face or removes most of a label's volume.  Meshes that
-// share faces are decimated together, so the shared faces stay shared.
+// share faces are decimated together, so the shared faces stay shared.  At edges where a surface of
+// which no mesh is made ends, boundaries collapse into vertices that are there.
 #include "surface/decimate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -19,7 +21,11 @@
 #include <tuple>
 
 #include "base/cancel_flag.h"
+#include "exact/sort_unique.h"
+#include "surface/collapse_log.h"
+#include "surface/crossing_faces.h"
 #include "surface/edge_collapse.h"
+#include "surface/fan_crossings.h"
 #include "surface/quadric.h"
 
 namespace sherd {
@@ -49,6 +55,9 @@ double leastVolume(std::size_t triangles) {
   return std::clamp(1.0 - kTriangles / static_cast<double>(triangles), kLeast, kMost);
 }
 
+// How often other edges collapse where faces crossed.
+constexpr std::size_t kMostRounds = 8;
+
 struct Candidate {
   double cost;
   double error;    // mean squared distance to the planes, in the unit box
@@ -59,16 +68,33 @@ struct Candidate {
   }
 };
 
+// What became of a surface's faces, with the vertices that collapses made.
+struct Record {
+  std::vector<glm::dvec3> vertices{};
+  std::vector<ComplexFace> faces{};  // corners all 0 of those that are gone
+  std::vector<Quadric> quadrics{};   // [vertices] with those of undone collapses
+  CollapseLog log{0};
+};
+
 class Decimator {
  public:
-  explicit Decimator(const Complex& complex)
+  explicit Decimator(const Complex& complex, const CollapseRules* rules = nullptr)
       : mesh_(complex),
         fixed_(complex.fixed),
         world_(complex.vertices),
         at_(complex.vertices),
         quadrics_(at_.size()),
-        version_(at_.size(), 0) {
+        version_(at_.size(), 0),
+        rules_(rules) {
     toUnitBox();
+    if (rules_ != nullptr) {
+      leastHeight_ = rules_->leastHeight / scale_;
+      mostSquared_ = rules_->error * rules_->error / (scale_ * scale_);
+      record_ = {complex.vertices, complex.faces, {}, CollapseLog(complex.faces.size())};
+      number_.resize(at_.size());
+      std::iota(number_.begin(), number_.end(), 0u);
+    }
+    findBoundaries();
     volume_.assign(std::size_t{mesh_.labels()} + 1, 0.0);
     for (const ComplexFace& face : mesh_.faces()) {
       addQuadrics(face.corner);
@@ -76,11 +102,14 @@ class Decimator {
       addVolume(face, sixfold(at_[t.x], at_[t.y], at_[t.z]), volume_);
     }
     whole_ = volume_;
+    if (rules_ != nullptr) record_.quadrics = quadrics_;
     for (Index v = 0; v < at_.size(); ++v) {
       for (const Index n : mesh_.neighbors(v)) {
         if (v < n) queueEdge(v, n);
       }
     }
+    queue_ = Queue(std::greater<>(), std::move(first_));
+    isQueued_ = true;
   }
 
   /// Collapses edges of labels with more than `triangles` triangles, as long as each vertex stays
@@ -94,6 +123,7 @@ class Decimator {
     for (std::uint16_t label = 1; label <= mesh_.labels(); ++label) {
       above_ += mesh_.trianglesLeft(label) > triangles;
     }
+    if (mesh_.labels() == 0) above_ = 1;
     std::vector<Candidate> deferred;  // too large an error, or labels with few enough triangles
     for (bool hasCollapsed = true; hasCollapsed && above_ > 0;) {
       hasCollapsed = false;
@@ -103,14 +133,16 @@ class Decimator {
         const Candidate next = queue_.top();
         queue_.pop();
         if (isStale(next)) continue;
-        const std::vector<std::uint16_t> labels = mesh_.labelsAt(next.from, next.to);
+        const std::vector<std::uint16_t> labels = labelsAt(next.from, next.to);
         if (next.error > maxError * maxError || !isAnyAbove(labels, triangles)) {
           deferred.push_back(next);
           continue;
         }
         const std::optional<glm::dvec3> target = targetOf(next.from, next.to);
         if (target && mesh_.keepsTopology(next.from, next.to) &&
-            flipsNoFace(next.from, next.to, *target) && keepsVolumes(next.from, next.to, *target)) {
+            flipsNoFace(next.from, next.to, *target) && keepsEnds(next.from, next.to, *target) &&
+            (rules_ == nullptr || !fanCrosses(mesh_, at_, next.from, next.to, *target)) &&
+            keepsVolumes(next.from, next.to, *target)) {
           for (const std::uint16_t label : labels) above_ -= mesh_.trianglesLeft(label) > triangles;
           collapse(next.from, next.to, *target);
           for (const std::uint16_t label : labels) above_ += mesh_.trianglesLeft(label) > triangles;
@@ -125,13 +157,101 @@ class Decimator {
     queueAgain(deferred);
   }
 
+  /// Undoes what makes faces cross, and collapses other edges in its place, until none do.
+  ///   return  the faces that are left
+  Complex withoutCrossings(double error, const Progress* progress) {
+    std::vector<std::uint8_t> isTested(record_.faces.size());
+    for (std::uint32_t f = 0; f < isTested.size(); ++f) isTested[f] = record_.log.isChanged(f);
+    for (std::size_t round = 0;; ++round) {
+      const std::vector<FacePair> pairs =
+          facesThatCross(record_.vertices, record_.faces, isTested, progress);
+      const std::vector<Index> crossing =
+          cheapestToUndo(pairs, record_.log, std::size_t{1} << round / 2);
+      if (crossing.empty()) return withoutGone(record_.vertices, record_.faces);
+      isTested.assign(isTested.size(), 0);
+      for (const FacePair& pair : pairs) isTested[pair[0]] = isTested[pair[1]] = 1;
+      for (const Index f : undo(crossing, std::size_t{1} << round / 2)) isTested[f] = 1;
+      if (round < kMostRounds) collapseTo(0, error, progress);
+    }
+  }
+
   std::vector<LabeledMesh> result() const {
     return meshesOf(world_, mesh_.faces(), mesh_.labels());
   }
 
  private:
+  // Undoes collapses of some faces, whose corners stay from then on.  Returns the faces that
+  // change.
+  std::vector<Index> undo(std::span<const Index> crossing, std::size_t depth) {
+    const std::vector<Index> restored = record_.log.undo(crossing, depth, record_.faces);
+    mesh_ = CollapsingMesh({record_.vertices, {}, record_.faces, 0});
+    world_ = at_ = record_.vertices;
+    for (glm::dvec3& v : at_) v = (v - middle_) / scale_;
+    quadrics_ = record_.quadrics;
+    version_.assign(at_.size(), 0);
+    number_.resize(at_.size());
+    std::iota(number_.begin(), number_.end(), 0u);
+    findBoundaries();
+    fixed_.resize(at_.size(), false);
+    for (const Index f : crossing) {
+      for (int k = 0; k < 3; ++k) fixed_[record_.faces[f].corner[k]] = true;
+    }
+    queue_ = {};
+    std::vector<Index> ends;
+    for (const Index f : restored) {
+      const glm::uvec3& t = record_.faces[f].corner;
+      ends.insert(ends.end(), {t.x, t.y, t.z});
+    }
+    sortUnique(ends);
+    for (const Index v : ends) queueEdgesOf(v);
+    return restored;
+  }
+
+  // Where the link condition holds for all surfaces together, a collapse into a boundary keeps the
+  // boundary's edges.
+  void findBoundaries() {
+    if (mesh_.labels() > 0) return;
+    boundaries_.assign(at_.size(), 0);
+    for (Index v = 0; v < at_.size(); ++v) {
+      if (!mesh_.facesAround(v).empty()) boundaries_[v] = mesh_.boundaryEdges(v);
+    }
+  }
+  int boundariesOf(Index v) const {
+    return boundaries_.empty() ? mesh_.boundaryEdges(v) : boundaries_[v];
+  }
+
+  // Whether the surface of a label ends at an edge.
+  bool isOpen(Index a, Index b) const {
+    if (mesh_.labels() > 0) return false;
+    std::array<std::pair<std::uint16_t, int>, 16> balance;
+    std::size_t count = 0;
+    const auto add = [&](std::uint16_t label, int by) {
+      std::size_t i = 0;
+      while (i < count && balance[i].first != label) ++i;
+      if (i == balance.size()) return;
+      if (i == count) balance[count++] = {label, 0};
+      balance[i].second += by;
+    };
+    for (const Index f : mesh_.facesAround(a)) {
+      if (!mesh_.has(f, b)) continue;
+      const glm::uvec3& t = mesh_.faces()[f].corner;
+      const bool isForward =
+          (t.x == a && t.y == b) || (t.y == a && t.z == b) || (t.z == a && t.x == b);
+      add(mesh_.faces()[f].front, isForward ? 1 : -1);
+      add(mesh_.faces()[f].back, isForward ? -1 : 1);
+    }
+    return std::any_of(balance.begin(), balance.begin() + static_cast<std::ptrdiff_t>(count),
+                       [](const auto& own) { return own.second != 0; });
+  }
+
+  std::vector<std::uint16_t> labelsAt(Index a, Index b) const {
+    if (mesh_.labels() == 0) return {};
+    return mesh_.labelsAt(a, b);
+  }
+
   bool isAnyAbove(const std::vector<std::uint16_t>& labels, std::size_t triangles) const {
-    return std::any_of(labels.begin(), labels.end(),
+    return mesh_.labels() == 0 ||
+           std::any_of(labels.begin(), labels.end(),
                        [&](std::uint16_t label) { return mesh_.trianglesLeft(label) > triangles; });
   }
 
@@ -171,7 +291,7 @@ class Decimator {
       // squared length, keeps the boundary in place.
       const glm::dvec3 along = at_[b] - at_[a], across = glm::cross(along, normal);
       const double squared = glm::dot(along, along);
-      if (squared == 0.0) continue;
+      if (squared == 0.0 || isOpen(a, b)) continue;
       const Quadric wall = Quadric::plane(across / std::sqrt(squared), at_[a], squared);
       quadrics_[a] += wall;
       quadrics_[b] += wall;
@@ -180,15 +300,22 @@ class Decimator {
 
   // The position that the edge collapses to; none if the collapse would change a region.
   std::optional<glm::dvec3> targetOf(Index a, Index b) const {
-    if (fixed_[a] || fixed_[b]) return {};
-    const int boundariesA = mesh_.boundaryEdges(a), boundariesB = mesh_.boundaryEdges(b);
+    if (!fixed_.empty() && (fixed_[a] || fixed_[b])) return {};
+    const int boundariesA = boundariesOf(a), boundariesB = boundariesOf(b);
     if (boundariesA != 0 && boundariesB != 0 && !mesh_.isBoundary(a, b)) return {};
     const bool fixedA = boundariesA != 0 && boundariesA != 2,
                fixedB = boundariesB != 0 && boundariesB != 2;
     if (fixedA && fixedB) return {};
     if (fixedA || (boundariesA != 0 && boundariesB == 0)) return at_[a];
     if (fixedB || (boundariesB != 0 && boundariesA == 0)) return at_[b];
+    if (boundariesA != 0 && isOpen(a, b)) return nearerEnd(a, b);
     return optimum(a, b);
+  }
+
+  glm::dvec3 nearerEnd(Index a, Index b) const {
+    Quadric q = quadrics_[a];
+    q += quadrics_[b];
+    return q(at_[b]) < q(at_[a]) ? at_[b] : at_[a];
   }
 
   // The minimum of the quadric with the pull towards the middle.  If that is farther from the
@@ -229,7 +356,7 @@ class Decimator {
         if (glm::dot(before, after) <= kLeastCosine * lengths) return false;
         const double longest =
             std::max({glm::length(q - p), glm::length(r - q), glm::length(p - r)});
-        if (glm::length(after) < std::min(kLeastHeight * longest, glm::length(before)))
+        if (glm::length(after) < std::min(leastHeight_ * longest, glm::length(before)))
           return false;
       }
     }
@@ -246,9 +373,22 @@ class Decimator {
     if (face.back <= mesh_.labels()) ofLabel[face.back] -= volume;
   }
 
+  // Whether open edges stay where the rules allow them.
+  bool keepsEnds(Index a, Index b, const glm::dvec3& target) const {
+    if (rules_ == nullptr || boundaries_[a] == 0 || boundaries_[b] == 0) return true;
+    const Index from = target == at_[a] ? b : a, to = from == a ? b : a;
+    const auto inVoxels = [&](Index v) { return middle_ + scale_ * at_[v]; };
+    for (const Index end : mesh_.neighbors(from)) {
+      if (end == to || boundaries_[end] == 0 || !isOpen(from, end)) continue;
+      if (!rules_->mayMove(inVoxels(from), inVoxels(to), inVoxels(end))) return false;
+    }
+    return true;
+  }
+
   // True if every label keeps its volume, within limits; then `volume_` holds the volumes after the
   // collapse.
   bool keepsVolumes(Index a, Index b, const glm::dvec3& target) {
+    if (mesh_.labels() == 0) return true;
     std::vector<std::uint16_t> labels;
     const auto addAll = [&](double sign) {
       for (const Index v : {a, b}) {
@@ -278,7 +418,12 @@ class Decimator {
   }
 
   void collapse(Index a, Index b, const glm::dvec3& target) {
+    if (rules_ != nullptr) record(a, b, target);
     mesh_.collapse(a, b);
+    // A fixed end stays fixed.
+    if (!boundaries_.empty() &&
+        (boundaries_[a] == 0 || (boundaries_[a] == 2 && boundaries_[b] != 0)))
+      boundaries_[a] = boundaries_[b];
     if (target == at_[b]) {
       world_[a] = world_[b];
     } else if (target != at_[a]) {
@@ -288,7 +433,42 @@ class Decimator {
     quadrics_[a] += quadrics_[b];
     ++version_[b];
     ++version_[a];
-    for (const Index n : mesh_.neighbors(a)) queueEdge(std::min(a, n), std::max(a, n));
+    queueEdgesOf(a);
+  }
+
+  void queueEdgesOf(Index v) {
+    for (const Index n : mesh_.neighbors(v)) queueEdge(std::min(v, n), std::max(v, n));
+  }
+
+  // Adds a collapse to the record.
+  void record(Index a, Index b, const glm::dvec3& target) {
+    std::vector<Index> changed = mesh_.facesAround(b);
+    if (target != at_[a]) {
+      for (const Index f : mesh_.facesAround(a)) {
+        if (!mesh_.has(f, b)) changed.push_back(f);
+      }
+    }
+    record_.log.add(changed, record_.faces);
+    std::uint32_t vertex = number_[target == at_[b] ? b : a];
+    if (target != at_[a] && target != at_[b]) {
+      vertex = static_cast<std::uint32_t>(record_.vertices.size());
+      record_.vertices.push_back(middle_ + scale_ * target);
+      record_.quadrics.emplace_back();
+    }
+    record_.quadrics[vertex] = quadrics_[a];
+    record_.quadrics[vertex] += quadrics_[b];
+    for (const Index f : changed) {
+      const glm::uvec3& t = mesh_.faces()[f].corner;
+      const bool isGone = mesh_.has(f, a) && mesh_.has(f, b);
+      for (int k = 0; k < 3; ++k) {
+        std::uint32_t& corner = record_.faces[f].corner[k];
+        if (isGone)
+          corner = 0;
+        else if (t[k] == a || t[k] == b)
+          corner = vertex;
+      }
+    }
+    number_[a] = vertex;
   }
 
   void queueEdge(Index a, Index b) {
@@ -299,8 +479,19 @@ class Decimator {
     // The pull orders collapses of zero cost: short edges first, so that planes are thinned evenly.
     const double squared = glm::dot(at_[a] - at_[b], at_[a] - at_[b]);
     const double error = std::max(q(*target), 0.0);
-    queue_.push({error + kPull * q.weight() * squared, q.weight() > 0.0 ? error / q.weight() : 0.0,
-                 a, b, version_[a], version_[b]});
+    // Errors only grow, so that one that is too large need not wait.
+    if (rules_ != nullptr && error > q.weight() * mostSquared_) return;
+    const Candidate edge{error + kPull * q.weight() * squared,
+                         q.weight() > 0.0 ? error / q.weight() : 0.0,
+                         a,
+                         b,
+                         version_[a],
+                         version_[b]};
+    if (isQueued_) {
+      queue_.push(edge);
+    } else {
+      first_.push_back(edge);
+    }
   }
 
   CollapsingMesh mesh_;
@@ -314,7 +505,15 @@ class Decimator {
   double leastVolume_ = 0.0;            // share
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // [vertices] counts moves, to detect stale candidates
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+  std::vector<int> boundaries_;         // [vertices] of the mesh; empty: they change
+  double leastHeight_ = kLeastHeight, mostSquared_ = 0.0;
+  const CollapseRules* const rules_;
+  Record record_;                      // with rules
+  std::vector<std::uint32_t> number_;  // [vertices] theirs in the record
+  using Queue = std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>>;
+  std::vector<Candidate> first_;  // before there is a queue, which is faster made of all of them
+  Queue queue_;
+  bool isQueued_ = false;
 };
 
 }  // namespace
@@ -350,6 +549,12 @@ std::vector<LabeledMesh> simplified(const Complex& complex, double error,
   Decimator decimator(complex);
   decimator.collapseTo(0, error, progress);
   return decimator.result();
+}
+
+Complex collapsed(const Complex& surface, const CollapseRules& rules, const Progress* progress) {
+  Decimator decimator(surface, &rules);
+  decimator.collapseTo(0, rules.error, progress);
+  return decimator.withoutCrossings(rules.error, progress);
 }
 
 }  // namespace sherd

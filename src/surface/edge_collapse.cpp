@@ -21,6 +21,7 @@ CollapsingMesh::CollapsingMesh(const Complex& complex)
       labels_(complex.labels),
       left_(std::size_t{labels_} + 1, 0) {
   for (Index f = 0; f < faces_.size(); ++f) {
+    if (faces_[f].corner.x == faces_[f].corner.y) continue;  // collapsed before
     for (int k = 0; k < 3; ++k) around_[faces_[f].corner[k]].push_back(f);
     for (const std::uint16_t label : {faces_[f].front, faces_[f].back}) {
       if (label <= labels_) ++left_[label];
@@ -30,7 +31,7 @@ CollapsingMesh::CollapsingMesh(const Complex& complex)
 
 std::uint64_t CollapsingMesh::region(Index f) const {
   const ComplexFace& face = faces_[f];
-  const bool isBetween = face.back >= 1 && face.back <= labels_;
+  const bool isBetween = face.back >= 1 && (face.back <= labels_ || labels_ == 0);
   return std::uint64_t{face.chart} << 33 | std::uint64_t{isBetween} << 32 |
          std::uint64_t{face.front} << 16 | (isBetween ? face.back : face.neighbor);
 }
@@ -71,8 +72,8 @@ bool CollapsingMesh::isBoundary(Index a, Index b) const {
 
 int CollapsingMesh::boundaryEdges(Index v) const {
   const std::uint64_t first = region(around_[v].front());
-  if (std::all_of(around_[v].begin(), around_[v].end(),
-                  [&](Index f) { return region(f) == first; })) {
+  if (labels_ > 0 && std::all_of(around_[v].begin(), around_[v].end(),
+                                 [&](Index f) { return region(f) == first; })) {
     return 0;
   }
   int count = 0;
@@ -92,7 +93,32 @@ std::vector<std::uint16_t> CollapsingMesh::labelsAt(Index a, Index b) const {
   return found;
 }
 
+bool CollapsingMesh::keepsLink(Index a, Index b) const {
+  const std::vector<Index> na = neighbors(a), nb = neighbors(b);
+  std::vector<Index> common;
+  std::set_intersection(na.begin(), na.end(), nb.begin(), nb.end(), std::back_inserter(common));
+  std::size_t faces = 0;
+  for (const Index f : around_[b]) {
+    if (has(f, a)) {
+      ++faces;
+      continue;
+    }
+    // The face would be one that is there, of a tetrahedron.
+    const glm::uvec3& t = faces_[f].corner;
+    const auto isOwn = [&](Index v) {
+      return v == b || std::binary_search(common.begin(), common.end(), v);
+    };
+    if (!isOwn(t.x) || !isOwn(t.y) || !isOwn(t.z)) continue;
+    const bool isThere = std::any_of(around_[a].begin(), around_[a].end(), [&](Index g) {
+      return (t.x == b || has(g, t.x)) && (t.y == b || has(g, t.y)) && (t.z == b || has(g, t.z));
+    });
+    if (isThere) return false;
+  }
+  return faces > 0 && common.size() == faces;
+}
+
 bool CollapsingMesh::keepsTopology(Index a, Index b) const {
+  if (labels_ == 0 && !keepsLink(a, b)) return false;
   std::vector<std::uint16_t> labels;
   for (const Index v : {a, b}) {
     for (const Index f : around_[v]) {

@@ -10,11 +10,12 @@
 
 namespace sherd {
 
-/// The connectivity of closed meshes that share faces.  A region is the set of faces between the
-/// same two labels, or of one label with the same neighbor, and of the same chart.
+/// The connectivity of closed meshes that share faces, or of surfaces of which no mesh is made
+/// (Complex::labels 0), which may be open.  A region is the set of faces between the same two
+/// labels, or of one label with the same neighbor, and of the same chart.
 ///
-/// A boundary edge has faces of several regions.  A vertex is free if it has no boundary edges, on
-/// a boundary if it has two, and fixed if it has any other number.
+/// A boundary edge has faces of several regions, or any number but two of them.  A vertex is free
+/// if it has no boundary edges, on a boundary if it has two, and fixed if it has any other number.
 class CollapsingMesh {
  public:
   using Index = std::uint32_t;
@@ -39,7 +40,8 @@ class CollapsingMesh {
   std::vector<std::uint16_t> labelsAt(Index a, Index b) const;
 
   /// Returns true if collapsing an edge preserves the topology of every label's surface and of the
-  /// regions: the link condition holds on each surface, and no region loses its last triangle.
+  /// regions: the link condition holds on each surface, of surfaces without meshes on all of them
+  /// together, and no region loses its last triangle.
   /// Precondition: if neither end is free, the edge is a boundary edge.
   ///   source  Dey et al., Topology preserving edge contraction, 1999
   bool keepsTopology(Index a, Index b) const;
@@ -50,6 +52,7 @@ class CollapsingMesh {
  private:
   // A region's key: its two labels, or the label that has a mesh and its neighbor; and its chart.
   std::uint64_t region(Index f) const;
+  bool keepsLink(Index a, Index b) const;
   std::vector<Index> neighborsOn(std::uint16_t label, Index v) const;
 
   std::vector<ComplexFace> faces_;

@@ -19,8 +19,8 @@
 #include "surface/cut.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
-#include "surface/merge_facets.h"
 #include "surface/part_sheets.h"
+#include "surface/simplified_cracks.h"
 #include "voxelize/leaf_blocks.h"
 #include "voxelize/region.h"
 
@@ -151,7 +151,8 @@ std::function<bool(const glm::dvec3&)> insideOf(const Solid& solid, const Bodies
 //   solid, labels  of the layer
 ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMesh& mesh,
                       std::function<bool(const glm::dvec3&)> isInside,
-                      std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+                      std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                      const Progress* progress) {
   const Cut cut = findCut(labels, neighborhoods, CutExtent::exact, progress);
   const Labels beyond = labelsBeyond(solid, labels, cut, neighborhoods);
   const Complex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
@@ -161,12 +162,12 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
                           [&](const glm::dvec3& p) { return nearestLabel(beyond, indexOf(p)); },
                           std::move(isInside)};
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
-  const double tolerance = kCrackTolerance * solid.frame.voxelSize;
   ExactSurface surface;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const MergeOptions merging{.facets = {.cracks = {.tolerance = tolerance}},
-                               .displacementSeed = static_cast<std::uint64_t>(attempt)};
-    const Complex simple = withMergedFacets(cracks, merging, progress).complex;
+    const Complex simple = simplifiedCracks(
+        cracks, mesh, solid.frame,
+        {.adaptivity = adaptivity, .displacementSeed = static_cast<std::uint64_t>(attempt)},
+        progress);
     surface = exactSurface(mesh, simple, fragments, space, progress);
     if (!surface.isDegenerate) break;
   }
@@ -184,11 +185,12 @@ void setSources(ExactSurface& surface, std::span<const std::uint32_t> source) {
 
 // Cuts a mesh, one layer after the other.  A fragment is in one layer.
 ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& bodies,
-                       std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+                       std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                       const Progress* progress) {
   const SolidMesh& mesh = bodies.mesh();
   if (mesh.layer.empty()) {
-    ExactSurface surface =
-        cutLayer(solid, labels, mesh.mesh, insideOf(solid, bodies), neighborhoods, progress);
+    ExactSurface surface = cutLayer(solid, labels, mesh.mesh, insideOf(solid, bodies),
+                                    neighborhoods, adaptivity, progress);
     setSources(surface, mesh.source);
     return surface;
   }
@@ -200,7 +202,8 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
     const TriangleTree tree(own.mesh);
     ExactSurface surface = cutLayer(
         part, labelsOfLayer(labels, part), own.mesh,
-        [&](const glm::dvec3& p) { return tree.winding(p) >= 0.5; }, neighborhoods, progress);
+        [&](const glm::dvec3& p) { return tree.winding(p) >= 0.5; }, neighborhoods, adaptivity,
+        progress);
     if (!surface.failure.empty()) return surface;
     setSources(surface, own.source);
     for (std::size_t i = 0; i < all.meshes.size(); ++i) {
@@ -213,13 +216,14 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
 
 // Cuts a mesh whose holes may have been closed.
 ExactSurface cutBodies(const Solid& solid, const Labels& labels, const Bodies& bodies,
-                       std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
-  ExactSurface surface = cutLayers(solid, labels, bodies, neighborhoods, progress);
+                       std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                       const Progress* progress) {
+  ExactSurface surface = cutLayers(solid, labels, bodies, neighborhoods, adaptivity, progress);
   if (surface.failure.empty() || bodies.isInput()) return surface;
   // Cracks may not reach the faces that close holes, or the corners of a shell.
   const ClosedSolid closed = closedSolid(solid, labels, bodies.mesh().mesh, progress);
   return cutLayers(closed.solid, closed.labels, bodies,
-                   leafNeighbors(closed.labels.blocks->origins), progress);
+                   leafNeighbors(closed.labels.blocks->origins), adaptivity, progress);
 }
 
 // The cut of united bodies: bodies that touch along edges may have fragments that do.
@@ -238,7 +242,8 @@ ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united,
 }  // namespace
 
 ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
-                         std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+                         std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                         const Progress* progress) {
   if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
     return {.failure = std::move(obstacle)};
   }
@@ -250,11 +255,11 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   if (closed.isCrossed || componentsMeet(bodies.mesh().mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
   }
-  ExactSurface surface = cutBodies(solid, labels, bodies, neighborhoods, progress);
+  ExactSurface surface = cutBodies(solid, labels, bodies, neighborhoods, adaptivity, progress);
   // A body that crosses itself is cut as it is where no crack meets the crossings.
   if (!surface.failure.empty() && !bodies.isTried() && bodies.unite().empty() &&
       bodies.isUnited()) {
-    surface = cutBodies(solid, labels, bodies, neighborhoods, progress);
+    surface = cutBodies(solid, labels, bodies, neighborhoods, adaptivity, progress);
   }
   surface = checkedUnion(std::move(surface), bodies.united(), progress);
   if (isShell(solid)) surface.united.before = surface.united.after = 0;  // its folds, no bodies

@@ -12,15 +12,13 @@
 
 namespace sherd {
 
-/// How far cracks may lie from the cut, to have few triangles, voxels.
-inline constexpr double kCrackTolerance = 0.1;
-
 /// Returns the meshes of all fragments with the surface of the solid's mesh, or why there are none:
 /// the solid has no mesh, that is not closed, or cracks can't cut it.
+///   adaptivity     SurfaceOptions::adaptivity, for cracks
 ///   neighborhoods  of the solid's leaves
 ///   throws         Error(cancelled)
 [[nodiscard]] ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
                                        std::span<const LeafNeighbors> neighborhoods,
-                                       const Progress* progress = nullptr);
+                                       double adaptivity, const Progress* progress = nullptr);
 
 }  // namespace sherd

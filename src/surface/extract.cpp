@@ -131,7 +131,8 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       leaves_(leavesOf(cut_->cut(), count_)) {
   if (surface_.surface == Surface::exact) {
     makeExact(options.exact ? *options.exact
-                            : exactMeshes(solid_, labels_, cut_->neighborhoods(), progress_));
+                            : exactMeshes(solid_, labels_, cut_->neighborhoods(),
+                                          surface_.adaptivity, progress_));
     if (surface_.surface != Surface::exact) {  // it failed, and is what the other options say
       cut_ =
           std::make_shared<CutSolid>(solid, labels, options.intact, extentFor(surface_), progress);

@@ -35,6 +35,9 @@ constexpr int kMostSplits = 8;
 constexpr double kFirstRadius = 5.0;
 constexpr int kMostRounds = 8;
 
+// From this round on faults of the cracks themselves are left alone.
+constexpr int kOwnFaults = 2;
+
 // Vertices are displaced at random by this share of the tolerance, so that no four are in a plane,
 // and none lies on the surface that the cracks are to cut.
 constexpr double kDisplacement = 1e-3;
@@ -63,8 +66,9 @@ class FacetMerging {
       makeAllPolygons(progress);
       Assembled all = assembled();
       if (round == kMostRounds) return std::move(all.merged);
-      const std::vector<ComplexFault> faults =
+      std::vector<ComplexFault> faults =
           faultsOf(all.merged.complex, {.of = all.isTested, .source = all.source}, progress);
+      if (round >= kOwnFaults) eraseOwn(faults, all.facet);
       if (faults.empty()) return std::move(all.merged);
       testNext(faults, all.facet);
       if (round + 1 == kMostRounds) {
@@ -87,6 +91,15 @@ class FacetMerging {
           kDisplacement * tolerance_ * (2.0 * randomUnit(*seed_, Stage::crackVertex, item) - 1.0);
     }
     return d;
+  }
+
+  // Leaves out faults of cracks before facets were merged, which no face that stays can mend: by
+  // now all around them stay.
+  void eraseOwn(std::vector<ComplexFault>& faults, std::span<const std::uint32_t> facet) const {
+    if (complex_.labels > 0) return;
+    std::erase_if(faults, [&](const ComplexFault& fault) {
+      return facet[fault.faces[0]] == kNone && facet[fault.faces[1]] == kNone;
+    });
   }
 
   // Gives back the faces near some points.

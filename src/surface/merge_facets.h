@@ -3,6 +3,7 @@
 
 #include <sherd/progress.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -22,6 +23,12 @@ struct MergeOptions {
   /// the plane of a face that it does not belong to: for cracks, so that a mesh can be cut by them.
   std::optional<std::uint64_t> displacementSeed{};
 };
+
+/// MergeOptions::mostFaults for a complex.
+[[nodiscard]] constexpr std::size_t mostFaultsOf(std::size_t faces) {
+  constexpr std::size_t kLeast = 2000, kFacesPerFault = 100;
+  return std::max(kLeast, faces / kFacesPerFault);
+}
 
 struct MergedFacets {
   Complex complex;

@@ -31,9 +31,6 @@ FacetOptions facetsInVoxels() {
           .tolerance = kPlanarTolerance, .leastFaces = kLeastFaces, .planarFaces = kLeastFaces}};
 }
 
-// MergeOptions::mostFaults.
-constexpr std::size_t kLeastFaults = 2000, kFacesPerFault = 100;
-
 // Moves vertices to index space, rounded so that what is decided by positions does not depend on
 // the frame.  Returns them as they were.
 std::vector<glm::dvec3> toVoxels(Complex& complex, const GridFrame& frame) {
@@ -47,11 +44,9 @@ std::vector<glm::dvec3> toVoxels(Complex& complex, const GridFrame& frame) {
 std::vector<LabeledMesh> mergedPlanes(Complex complex, const GridFrame& frame,
                                       const Progress* progress) {
   const std::vector<glm::dvec3> world = toVoxels(complex, frame);
-  MergedFacets merged =
-      withMergedFacets(complex,
-                       {.mostFaults = std::max(kLeastFaults, complex.faces.size() / kFacesPerFault),
-                        .facets = facetsInVoxels()},
-                       progress);
+  MergedFacets merged = withMergedFacets(
+      complex, {.mostFaults = mostFaultsOf(complex.faces.size()), .facets = facetsInVoxels()},
+      progress);
   Complex& after = merged.complex;
   for (std::size_t v = 0; v < after.vertices.size(); ++v) {
     const std::uint32_t source = merged.vertex[v];

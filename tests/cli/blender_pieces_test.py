@@ -325,7 +325,7 @@ for resolution in (96, 256):
 answer(**{str(k): v for k, v in found.items()})
 ''')
         self.assertEqual(len(reported["96"]), 8)
-        self.assertLess(sum(f["triangles"] for f in reported["96"]), 3000)
+        self.assertLess(sum(f["triangles"] for f in reported["96"]), 1000)
         few, many = ({(f["properties"]["sherd_fragment"], n): self.plane(f, n) for f in reported[r] for n in set(f["neighbor"]) - {0}}
                      for r in ("96", "256"))
         large = {pair for pair, (area, *_) in few.items() if area > 0.1}  # of a side of 2

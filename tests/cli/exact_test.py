@@ -82,8 +82,8 @@ class Exact(CommandLine):
             yield fragment["id"], columns(vertex, *"xyz"), face["vertex_indices"], face["neighbor"], face
 
     def test_the_outside_is_the_inputs(self):
-        for rough in ("0", "1.5"):
-            self.exact("--roughness", rough)
+        for options in ("--roughness 0", "--roughness 1.5", "--roughness 1.5 --adaptivity 0.3"):
+            self.exact(*options.split())
             manifest = self.manifest()
             self.assertNotIn("exact_failure", manifest)
             self.assertEqual({f["surface"] for f in manifest["fragments"]}, {"exact"})
@@ -108,14 +108,14 @@ class Exact(CommandLine):
             self.assertGreater(len(seen & whole), 10, "some triangles are whole")
 
     def test_default_files_are_double_and_others_are_warned_of(self):
-        """The rim of a tube is thin and rounded to floats the slivers beside its cracks cross each other."""
+        """The rim of a tube is thin and rounded to floats the slivers beside its full cracks cross each other."""
         profile = [(0.6, 0), (0.8, 0.9), (0.9, 1.5), (0.84, 1.5), (0.74, 0.9), (0.55, 0.08)]
         v = np.array([(r * math.cos(2 * math.pi * k / 40), r * math.sin(2 * math.pi * k / 40), z) for r, z in profile for k in range(40)])
         f = [t for i in range(6) for k in range(40) for a, b, c, d in [(40 * i + k, 40 * i + (k + 1) % 40, 40 * ((i + 1) % 6) + (k + 1) % 40, 40 * ((i + 1) % 6) + k)]
              for t in ((a, b, c), (a, c, d))]
         mesh = self.path("tube.obj")
         write_obj(mesh, (v.astype(np.float32).tolist(), f))
-        options = ("--surface", "exact", "--write", "mesh")
+        options = ("--surface", "exact", "--adaptivity", "0", "--write", "mesh")
         run = self.done(*options, mesh=mesh, pieces=20)
         self.assertNotIn("pairs of triangles", run.stderr)
         self.assertEqual(self.manifest()["options"]["mesh_precision"], "double")
@@ -131,21 +131,22 @@ class Exact(CommandLine):
         for layout in ("sherd", "packed"):
             for form, warnings in (("ply", 0), ("ply,glb", 1)):
                 with self.subTest((layout, form)):
-                    run = self.run_sherd("dataset", library, "-o", self.path(layout + form), "--pieces", "18..20", "--repeats", "1", "--surface", "exact", "--write", "mesh",
+                    run = self.run_sherd("dataset", library, "-o", self.path(layout + form), "--pieces", "18..20", "--repeats", "1", "--surface", "exact", "--adaptivity", "0", "--write", "mesh",
                                          "--layout", layout, "--mesh-format", form)
                     self.assertEqual(run.returncode, 0, run.stderr)
                     self.assertEqual(run.stderr.count("pairs of triangles cross each other"), warnings, "once for each object")
 
     def test_both_sides_of_a_crack_have_the_same_faces(self):
-        self.exact("--roughness", "1")
-        faces = collections.Counter()
-        for own, v, f, neighbor, _ in self.pieces():
-            for t, other in zip(f, neighbor):
-                if other != 0:
-                    faces[own, int(other), rotated(v[t])] += 1
-                    faces[int(other), own, rotated(v[t[::-1]])] -= 1
-        self.assertGreater(len(faces), 0)
-        self.assertEqual({n for n in faces.values()}, {0})
+        for adaptivity in ("auto", "0.3"):
+            self.exact("--roughness", "1", "--adaptivity", adaptivity)
+            faces = collections.Counter()
+            for own, v, f, neighbor, _ in self.pieces():
+                for t, other in zip(f, neighbor):
+                    if other != 0:
+                        faces[own, int(other), rotated(v[t])] += 1
+                        faces[int(other), own, rotated(v[t[::-1]])] -= 1
+            self.assertGreater(len(faces), 0)
+            self.assertEqual({n for n in faces.values()}, {0})
 
     def test_texture_coordinates_and_materials_stay(self):
         self.exact("--roughness", "1")
@@ -187,10 +188,11 @@ class Exact(CommandLine):
                     self.assertGreater(vn[corner[-1] - 1] @ normal / np.linalg.norm(normal), 0.999)
 
     def test_the_same_bytes_on_one_thread(self):
-        self.exact("--roughness", "1")
-        again = self.path("again")
-        self.exact("--roughness", "1", "--threads", "1", out=again)
-        self.assertEqual(tree(self.out), tree(again))
+        for adaptivity in ("auto", "0.3"):
+            self.exact("--roughness", "1", "--adaptivity", adaptivity)
+            again = self.path("again")
+            self.exact("--roughness", "1", "--adaptivity", adaptivity, "--threads", "1", out=again)
+            self.assertEqual(tree(self.out), tree(again))
 
     def test_what_contradicts_it_is_refused(self):
         for options in (("--smooth-iterations", "2"), ("--erode-iterations", "1", "--erode-on", "all")):
@@ -322,15 +324,38 @@ class Exact(CommandLine):
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertEqual({f["surface"] for f in self.manifest(again)["fragments"]}, {surface})
 
-    def test_adaptivity_is_for_the_smooth_surface_only(self):
-        self.exact()
-        adapted = self.path("adapted")
-        self.exact("--adaptivity", "0.1", out=adapted)
-        meshes = {path.name: path.read_bytes() for path in pathlib.Path(self.out, "meshes").iterdir()}
-        self.assertEqual(meshes, {path.name: path.read_bytes() for path in pathlib.Path(adapted, "meshes").iterdir()})
-        self.exact("--fill", "parity", "--adaptivity", "0.1", out=self.path("few"))
-        self.done("--precision", "double", "--write", "mesh", "--fill", "parity", "--surface", "smooth", "--adaptivity", "0.1", mesh=str(self.mesh), pieces=7,
-                  out=self.path("smooth"))
+    def crack_triangles(self, out):
+        return sum(int((read_ply(path)[2]["neighbor"] > 0).sum()) for path in pathlib.Path(out, "meshes").glob("*.ply"))
+
+    def test_adaptivity_is_the_tolerance_of_cracks(self):
+        counts = []
+        for adaptivity in ("0", "auto", "0.1", "0.5"):
+            out = self.path("by_" + adaptivity)
+            self.exact("--roughness", "1", "--adaptivity", adaptivity, out=out)
+            counts.append(self.crack_triangles(out))
+        full, auto, tenth, half = counts
+        # A rough crack has two triangles or more in each voxel that it passes; half a voxel is as much as it rises in several.
+        self.assertLess(tenth, 0.6 * full)
+        self.assertEqual(tenth, auto)
+        self.assertLess(half, 0.2 * full)
+
+    def test_a_number_leaves_no_more_triangles_than_auto(self):
+        """Planes are merged before anything else."""
+        ball = self.path("ball.obj")
+        write_obj(ball, sphere())
+        for roughness in ("0", "2"):
+            for mesh in (ball, str(self.mesh)):
+                counts = []
+                for adaptivity in ("auto", "0.05", "0.5"):
+                    out = self.path("with_" + adaptivity)
+                    self.exact("--roughness", roughness, "--adaptivity", adaptivity, mesh=mesh, out=out)
+                    counts.append(sum(len(f) for _, _, f, *_ in self.pieces(out)))
+                self.assertEqual(max(counts), counts[0], (roughness, mesh))
+
+    def test_where_it_does_not_succeed_adaptivity_is_that_of_the_smooth_surface(self):
+        options = ("--precision", "double", "--write", "mesh", "--fill", "parity", "--adaptivity", "0.1")
+        for surface in ("exact", "smooth"):
+            self.done(*options, "--surface", surface, mesh=str(self.mesh), pieces=7, out=self.path("few" if surface == "exact" else surface))
         few, smooth = ([path.read_bytes() for path in sorted(pathlib.Path(self.path(name), "meshes").iterdir())] for name in ("few", "smooth"))
         self.assertEqual(few, smooth)
 

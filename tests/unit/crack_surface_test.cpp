@@ -14,12 +14,14 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "exact/self_crossings.h"
 #include "mesh/triangle_tree.h"
 #include "shapes.h"
 #include "surface/merge_facets.h"
+#include "surface/simplified_cracks.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -27,18 +29,18 @@ namespace {
 
 constexpr double kTolerance = 0.1;  // voxels
 
+// Of cracks in voxels that overhang nothing.
 Complex simplified(const Complex& cracks, double tolerance, std::uint64_t seed) {
-  return withMergedFacets(
-             cracks, {.facets = {.cracks = {.tolerance = tolerance}}, .displacementSeed = seed})
-      .complex;
+  return simplifiedCracks(cracks, {}, {}, {.adaptivity = tolerance, .displacementSeed = seed});
 }
 
 // A fracture by planes, with its cracks in world units.
 struct Cracked {
+  TriangleMesh mesh;
   FractureResult result;
   Complex cracks;
 
-  Cracked(const TriangleMesh& mesh, int pieces, double roughness = 0.0) {
+  Cracked(TriangleMesh of, int pieces, double roughness = 0.0) : mesh(std::move(of)) {
     Device device("builtin");
     FractureOptions options{.pieces = pieces, .seed = 3, .solid = {.resolution = 48}};
     options.grow.roughness = roughness;
@@ -50,7 +52,10 @@ struct Cracked {
   }
 
   double voxel() const { return result.solid.frame.voxelSize; }
-  Complex simple() const { return simplified(cracks, kTolerance * voxel(), 0); }
+  Complex simple(double adaptivity = kTolerance, std::uint64_t seed = 0) const {
+    return simplifiedCracks(cracks, mesh, result.solid.frame,
+                            {.adaptivity = adaptivity, .displacementSeed = seed});
+  }
 };
 
 std::size_t crossings(const Complex& cracks) {
@@ -157,7 +162,10 @@ TEST(CrackSurface, IsClosedAroundEveryLabelInsideTheSolid) {
       const Overhang overhang = overhangOf(cracked.cracks);
       EXPECT_GT(overhang.nearer, 0.0);
       EXPECT_GE(overhang.farther, (3.0 - std::sqrt(6.0)) * cracked.voxel());
-      EXPECT_GT(overhangOf(cracked.simple()).nearer, 0.0);
+      EXPECT_GT(overhangOf(cracked.simple(kAutoAdaptivity)).nearer, 0.0);
+      if (pieces == 8) {
+        EXPECT_GT(overhangOf(cracked.simple()).nearer, 0.0);
+      }
     }
   }
 }
@@ -167,7 +175,10 @@ TEST(CrackSurface, DoesNotCrossItself) {
     for (const double roughness : {0.0, 1.5}) {
       const Cracked cracked(shapes::ball(1.0), pieces, roughness);
       EXPECT_EQ(crossings(cracked.cracks), 0u);
-      EXPECT_EQ(crossings(cracked.simple()), 0u);
+      EXPECT_EQ(crossings(cracked.simple(kAutoAdaptivity)), 0u);
+      if (pieces == 8) {
+        EXPECT_EQ(crossings(cracked.simple()), 0u);
+      }
     }
   }
 }
@@ -179,11 +190,12 @@ TEST(CrackSurface, IsTheSameWithOneThreadAndTwo) {
     const Cracked cracked(shapes::torus(1.0, 0.4), 12, 1.0);
     all.push_back(cracked.cracks);
     all.push_back(cracked.simple());
+    all.push_back(cracked.simple(kAutoAdaptivity));
   }
-  for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(all[i].vertices, all[2 + i].vertices);
-    EXPECT_TRUE(std::equal(all[i].faces.begin(), all[i].faces.end(), all[2 + i].faces.begin(),
-                           all[2 + i].faces.end(), [](const ComplexFace& a, const ComplexFace& b) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(all[i].vertices, all[3 + i].vertices);
+    EXPECT_TRUE(std::equal(all[i].faces.begin(), all[i].faces.end(), all[3 + i].faces.begin(),
+                           all[3 + i].faces.end(), [](const ComplexFace& a, const ComplexFace& b) {
                              return a.corner == b.corner && a.front == b.front && a.back == b.back;
                            }));
   }
@@ -192,6 +204,106 @@ TEST(CrackSurface, IsTheSameWithOneThreadAndTwo) {
 TEST(SimplifiedCracks, OfAPlaneHaveFewTriangles) {
   const Cracked cracked(shapes::ball(1.0), 2);
   const Complex simple = cracked.simple();
+  const std::map<std::uint16_t, glm::dvec3> seeds = seedsOf(cracked);
+  for (const glm::dvec3& v : simple.vertices) {
+    const glm::dvec3 p = cracked.result.solid.frame.indexFromWorld(v);
+    EXPECT_LE(std::abs(beyond(p, seeds.at(1), seeds.at(2))), kTolerance);
+  }
+  // A polygon without inner vertices that is nowhere nearer to the ball than by
+  // CrackOverhang::kLeastOverhang and reaches three voxels beyond it: between these two circles an
+  // edge spans an angle of up to 2 acos((r + 0.1) / (r + 3)), and edges are taken greedily.
+  const double radius = 1.0 / cracked.voxel();
+  const double most = 2.0 * std::acos((radius + 0.1) / (radius + 3.0));
+  EXPECT_LT(static_cast<double>(simple.faces.size()), 3.0 * 2.0 * std::numbers::pi / most);
+  EXPECT_GT(overhangOf(simple).nearer, 0.0);
+}
+
+// Returns points of a face, at least `perVoxel` for each voxel of its longest edge.
+std::vector<glm::dvec3> pointsOf(const std::array<glm::dvec3, 3>& t, double voxel,
+                                 double perVoxel) {
+  const double longest =
+      std::max({glm::distance(t[0], t[1]), glm::distance(t[1], t[2]), glm::distance(t[2], t[0])});
+  const int n = static_cast<int>(std::ceil(perVoxel * longest / voxel));
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; i + j <= n; ++j)
+      points.push_back(t[0] + (t[1] - t[0]) * (1.0 * i / n) + (t[2] - t[0]) * (1.0 * j / n));
+  }
+  return points;
+}
+
+std::vector<glm::dvec3> cornersAndMiddle(const std::array<glm::dvec3, 3>& t) {
+  return {t[0], t[1], t[2], (t[0] + t[1] + t[2]) / 3.0};
+}
+
+struct Deviation {
+  double rms = 0.0, most = 0.0;  // voxels
+};
+
+// The distances from `to` of some points of the faces of `from`, those that are inside the mesh.
+// The mean is by area.
+template <class Points>
+Deviation deviation(const Cracked& cracked, const Complex& from, const Complex& to,
+                    const Points& pointsOfFace) {
+  const TriangleTree solid(cracked.mesh), tree(meshOf(to));
+  Deviation found;
+  double sum = 0.0, areas = 0.0;
+  for (const ComplexFace& face : from.faces) {
+    const std::array t{from.vertices[face.corner.x], from.vertices[face.corner.y],
+                       from.vertices[face.corner.z]};
+    const std::vector<glm::dvec3> points = pointsOfFace(t);
+    const double share =
+        glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / static_cast<double>(points.size());
+    for (const glm::dvec3& p : points) {
+      if (solid.winding(p) < 0.5) continue;
+      const double distance = tree.nearest(p, 100.0).distance / cracked.voxel();
+      found.most = std::max(found.most, distance);
+      sum += share * distance * distance;
+      areas += share;
+    }
+  }
+  if (areas > 0.0) found.rms = std::sqrt(sum / areas);
+  return found;
+}
+
+// Both ways: planes, planes that walls bend, and rough cracks.  Planes are merged first, within
+// kPlanarCrackTolerance.
+TEST(SimplifiedCracks, StayWithinTheToleranceOfTheCracksInTheMean) {
+  for (const auto& [mesh, roughness] : {std::pair(shapes::cube(1.0), 0.0),
+                                        {shapes::cube(1.0), 1.5},
+                                        {shapes::cup(1.0, 0.1, 1.5, 0.15, 40), 0.0}}) {
+    const Cracked cracked(mesh, 3, roughness);
+    for (const double tolerance : {0.1, 0.5}) {
+      SCOPED_TRACE(std::to_string(roughness) + ", tolerance " + std::to_string(tolerance));
+      const Complex simple = cracked.simple(tolerance);
+      EXPECT_LT(simple.faces.size(), cracked.cracks.faces.size() / 2);
+      EXPECT_EQ(crossings(simple), 0u);
+      const auto every = [&](const std::array<glm::dvec3, 3>& t) {
+        return pointsOf(t, cracked.voxel(), 2.0);
+      };
+      const Deviation full = deviation(cracked, cracked.cracks, simple, cornersAndMiddle);
+      const Deviation own = deviation(cracked, simple, cracked.cracks, every);
+      EXPECT_LE(full.rms, tolerance + kPlanarCrackTolerance);
+      EXPECT_LE(own.rms, tolerance + kPlanarCrackTolerance);
+    }
+  }
+}
+
+TEST(SimplifiedCracks, AreNeverMoreThanMergedPlanes) {
+  for (const auto& [mesh, roughness] : {std::pair(shapes::cube(1.0), 0.0),
+                                        {shapes::cube(1.0), 1.5},
+                                        {shapes::torus(1.0, 0.2), 0.0},
+                                        {shapes::cup(1.0, 0.1, 1.5, 0.15, 40), 0.0}}) {
+    const Cracked cracked(mesh, 4, roughness);
+    const std::size_t merged = cracked.simple(kAutoAdaptivity).faces.size();
+    for (const double tolerance : {0.01, 0.05, 0.2, 1.0})
+      EXPECT_LE(cracked.simple(tolerance).faces.size(), merged) << tolerance;
+  }
+}
+
+TEST(MergedCracks, OfAPlaneHaveFewTriangles) {
+  const Cracked cracked(shapes::ball(1.0), 2);
+  const Complex simple = cracked.simple(kAutoAdaptivity);
   const std::map<std::uint16_t, glm::dvec3> seeds = seedsOf(cracked);
   for (const glm::dvec3& v : simple.vertices) {
     const glm::dvec3 p = cracked.result.solid.frame.indexFromWorld(v);
@@ -207,31 +319,44 @@ TEST(SimplifiedCracks, OfAPlaneHaveFewTriangles) {
               2.0 * perimeter * 5.0 * kTolerance * std::pow(cracked.voxel(), 2));
 }
 
-TEST(SimplifiedCracks, StayNearTheCracks) {
+// A full crack has two faces for each voxel that it passes, a wall of the cup with what overhangs
+// it on both sides ten voxels or more.
+TEST(MergedCracks, OfAThinWallHaveFewTriangles) {
+  for (const double wall : {0.05, 0.1}) {
+    const Cracked cracked(shapes::cup(1.0, wall, 1.5, 0.15, 69), 2);
+    const Complex simple = cracked.simple(kAutoAdaptivity);
+    EXPECT_LT(simple.faces.size(), cracked.cracks.faces.size() / 10);
+    EXPECT_EQ(crossings(simple), 0u);
+    EXPECT_LE(deviation(cracked, cracked.cracks, simple, cornersAndMiddle).rms,
+              2.0 * kPlanarCrackTolerance);
+  }
+}
+
+TEST(MergedCracks, StayNearTheCracks) {
   for (const double roughness : {0.0, 1.5}) {
     const Cracked cracked(shapes::cube(1.0), 8, roughness);
-    const TriangleTree before(meshOf(cracked.cracks));
-    const Complex simple = cracked.simple();
+    const Complex simple = cracked.simple(kAutoAdaptivity);
     EXPECT_LT(simple.faces.size(), cracked.cracks.faces.size());
     // Vertices move by ten tolerances at most onto their planes, single faces join facets up to
     // four away.
-    const double reach = 14.1 * kTolerance * cracked.voxel();
-    for (const ComplexFace& face : simple.faces) {
-      const glm::dvec3 middle = (simple.vertices[face.corner.x] + simple.vertices[face.corner.y] +
-                                 simple.vertices[face.corner.z]) /
-                                3.0;
-      EXPECT_LE(before.nearest(middle, 2.0 * reach).distance, reach);
-    }
+    EXPECT_LE(deviation(cracked, simple, cracked.cracks, cornersAndMiddle).most, 14.1 * kTolerance);
   }
 }
 
 TEST(SimplifiedCracks, AreDisplacedBySeed) {
-  const Cracked cracked(shapes::cube(1.0), 8);
-  const double tolerance = kTolerance * cracked.voxel();
-  const Complex a = simplified(cracked.cracks, tolerance, 0);
-  EXPECT_EQ(simplified(cracked.cracks, tolerance, 0).vertices, a.vertices);
-  EXPECT_NE(simplified(cracked.cracks, tolerance, 1).vertices, a.vertices);
-  EXPECT_TRUE(simplified({}, tolerance, 0).faces.empty());
+  const Cracked cracked(shapes::ball(1.0), 3);
+  const Complex a = cracked.simple(kTolerance, 0);
+  EXPECT_EQ(cracked.simple(kTolerance, 0).vertices, a.vertices);
+  EXPECT_NE(cracked.simple(kTolerance, 1).vertices, a.vertices);
+  EXPECT_TRUE(simplified({}, kTolerance, 0).faces.empty());
+}
+
+TEST(SimplifiedCracks, KeepAllFacesWithoutATolerance) {
+  const Cracked cracked(shapes::cube(1.0), 3, 1.0);
+  const Complex simple = cracked.simple(0.0);
+  EXPECT_EQ(simple.faces.size(), cracked.cracks.faces.size());
+  EXPECT_LE(deviation(cracked, simple, cracked.cracks, cornersAndMiddle).most,
+            std::sqrt(3.0) * 1e-3 * kPlanarCrackTolerance + 1e-6);  // and the rounding of positions
 }
 
 // A ramp that winds around the z axis, over [10, 10 + width], two turns within less than a
@@ -256,13 +381,50 @@ Complex ramp(std::uint32_t width) {
   return cracks;
 }
 
-TEST(SimplifiedCracks, KeepTheFacesOfAFacetThatCoversItself) {
+TEST(MergedCracks, KeepTheFacesOfAFacetThatCoversItself) {
   // Splitting faces off its border does not help.
   for (const std::uint32_t width : {2u, 30u}) {
     const Complex cracks = ramp(width);
-    const Complex simple = simplified(cracks, 1.0, 0);
+    const Complex simple =
+        withMergedFacets(cracks, {.facets = {.cracks = {.tolerance = 1.0}}, .displacementSeed = 0})
+            .complex;
     EXPECT_EQ(crossings(simple), 0u);
     EXPECT_NEAR(area(meshOf(simple)), area(meshOf(cracks)), 0.05 * area(meshOf(cracks)));
+  }
+}
+
+// A plane with an edge at which the same two labels have two more faces, above and below.
+TEST(MergedCracks, WithAFaultOfTheirOwnHaveFewTrianglesElsewhere) {
+  constexpr std::uint32_t kSide = 30, kMiddle = 15;
+  Complex cracks;
+  for (std::uint32_t i = 0; i <= kSide; ++i) {
+    for (std::uint32_t j = 0; j <= kSide; ++j) cracks.vertices.emplace_back(i, j, 0.0);
+  }
+  const auto at = [](std::uint32_t i, std::uint32_t j) { return i * (kSide + 1) + j; };
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    cracks.faces.push_back({{a, b, c}, 1, 2});
+    cracks.faces.push_back({{a, c, d}, 1, 2});
+  };
+  for (std::uint32_t i = 0; i < kSide; ++i) {
+    for (std::uint32_t j = 0; j < kSide; ++j)
+      add(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+  }
+  for (const double z : {1.0, -1.0}) {
+    const auto first = static_cast<std::uint32_t>(cracks.vertices.size());
+    cracks.vertices.emplace_back(kMiddle + 1, kMiddle, z);
+    cracks.vertices.emplace_back(kMiddle, kMiddle, z);
+    add(at(kMiddle, kMiddle), at(kMiddle + 1, kMiddle), first, first + 1);
+  }
+  const Complex simple = simplifiedCracks(cracks, {}, {}, {.adaptivity = kAutoAdaptivity});
+  EXPECT_LT(simple.faces.size(), cracks.faces.size() / 4);
+}
+
+TEST(SimplifiedCracks, OfARampThatCoversItselfDoNotCross) {
+  for (const std::uint32_t width : {2u, 30u}) {
+    const Complex cracks = ramp(width);
+    const Complex simple = simplified(cracks, 1.0, 0);
+    EXPECT_LT(simple.faces.size(), cracks.faces.size());
+    EXPECT_EQ(crossings(simple), 0u);
   }
 }
 

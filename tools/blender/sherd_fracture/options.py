@@ -3,7 +3,7 @@
 """The user's choices as options of `sherd fracture`."""
 from .export_mesh import DENSITY
 
-ADAPTIVITY = 0.05  # voxels: of the smooth surface, where the exact one fails
+ADAPTIVITY = 0.05  # voxels: of the smooth surface, where the exact one fails; cracks of exact ones have what auto has
 PREVIEW = 32  # voxels along the longest side
 
 

@@ -1,0 +1,137 @@
+// Compares the faces that an edge collapse changes with those around them.
+#include "surface/fan_crossings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "exact/self_crossings.h"
+#include "exact/sort_unique.h"
+#include "mesh/boxes.h"
+
+namespace sherd {
+namespace {
+
+using Index = CollapsingMesh::Index;
+
+// Much more than the rounding error of a distance from a plane in relation to the corners' own.
+constexpr double kRounding = 1e-12;
+
+struct Face {
+  glm::uvec3 vertex{0};
+  std::array<glm::dvec3, 3> corner{};
+  Box box{};
+  glm::dvec3 normal{0.0};  // of length twice the area
+  double rounding = 0.0;  // of a distance from its plane times that length, for each unit of length
+
+  bool has(Index v) const { return vertex.x == v || vertex.y == v || vertex.z == v; }
+};
+
+glm::dvec3 normalOf(const std::array<glm::dvec3, 3>& corner) {
+  return glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+}
+
+double sumOfAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+
+Face faceOf(const glm::uvec3& vertex, const std::array<glm::dvec3, 3>& corner) {
+  const glm::dvec3 normal = normalOf(corner);
+  return {vertex, corner, boxOf(corner), normal, kRounding * sumOfAbs(normal)};
+}
+
+// Whether all of a face is in front of another's plane, or all behind it, but for common vertices.
+bool isBeside(const Face& face, const Face& plane) {
+  bool isFront = false, isBehind = false;
+  for (int k = 0; k < 3; ++k) {
+    if (plane.has(face.vertex[k])) continue;
+    const glm::dvec3 to = face.corner[static_cast<std::size_t>(k)] - plane.corner[0];
+    const double distance = glm::dot(plane.normal, to);
+    const double least = plane.rounding * (1.0 + sumOfAbs(to));
+    isFront = isFront || !(distance < -least);
+    isBehind = isBehind || !(distance > least);
+    if (isFront && isBehind) return false;
+  }
+  return true;
+}
+
+bool cross(const Face& a, const Face& b) {
+  if (!meet(a.box, b.box) || isBeside(a, b) || isBeside(b, a)) return false;
+  std::array<glm::dvec3, 6> points;
+  std::copy(a.corner.begin(), a.corner.end(), points.begin());
+  std::copy(b.corner.begin(), b.corner.end(), points.begin() + 3);
+  glm::uvec3 other(3, 4, 5);
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      if (b.vertex[k] == a.vertex[j]) other[k] = static_cast<unsigned>(j);
+    }
+  }
+  return trianglesCross(points, {0, 1, 2}, other);
+}
+
+// Whether the faces of a fan, and those around it, all face one side, as those of a height field,
+// which do not cross.  Of each face one vertex is looked at: around `a` they are all.
+bool isHeightField(const CollapsingMesh& mesh, std::span<const glm::dvec3> at, Index a, Index b,
+                   std::span<const Face> fan) {
+  glm::dvec3 up(0.0);
+  for (const Face& own : fan) up += own.normal;
+  for (const Face& own : fan) {
+    if (!(glm::dot(own.normal, up) > 0.0)) return false;
+    const Index next = own.vertex.x == a   ? own.vertex.y
+                       : own.vertex.y == a ? own.vertex.z
+                                           : own.vertex.x;
+    for (const Index g : mesh.facesAround(next)) {
+      if (mesh.has(g, a) || mesh.has(g, b)) continue;
+      const glm::uvec3& t = mesh.faces()[g].corner;
+      if (!(glm::dot(normalOf({at[t.x], at[t.y], at[t.z]}), up) > 0.0)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool fanCrosses(const CollapsingMesh& mesh, std::span<const glm::dvec3> at, Index a, Index b,
+                const glm::dvec3& target) {
+  std::vector<Face> fan;
+  for (const Index v : {a, b}) {
+    for (const Index f : mesh.facesAround(v)) {
+      if (mesh.has(f, a) && mesh.has(f, b)) continue;
+      glm::uvec3 vertex = mesh.faces()[f].corner;
+      std::array<glm::dvec3, 3> corner;
+      for (int k = 0; k < 3; ++k) {
+        if (vertex[k] == v) {
+          vertex[k] = a;
+          corner[static_cast<std::size_t>(k)] = target;
+          continue;
+        }
+        corner[static_cast<std::size_t>(k)] = at[vertex[k]];
+      }
+      fan.push_back(faceOf(vertex, corner));
+    }
+  }
+  if (isHeightField(mesh, at, a, b, fan)) return false;
+  std::vector<Index> beside;
+  for (const Face& own : fan) {
+    for (int k = 0; k < 3; ++k) {
+      for (const Index g : mesh.facesAround(own.vertex[k])) {
+        if (!mesh.has(g, a) && !mesh.has(g, b)) beside.push_back(g);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < fan.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (cross(fan[i], fan[j])) return true;
+    }
+  }
+  sortUnique(beside);
+  for (const Index g : beside) {
+    const glm::uvec3& t = mesh.faces()[g].corner;
+    const Face other = faceOf(t, {at[t.x], at[t.y], at[t.z]});
+    if (std::any_of(fan.begin(), fan.end(), [&](const Face& own) { return cross(own, other); }))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace sherd
