@@ -109,6 +109,22 @@ TriangleMesh turned(TriangleMesh mesh, std::mt19937_64& random) {
   return mesh;
 }
 
+// Open meshes, with the volume that they have once they are closed.
+Input randomOpen(std::mt19937_64& random, int resolution) {
+  const double a = uniform(random, 0.1, 0.9), b = uniform(random, 0.1, 0.9), side = 3.0;
+  if (whole(random, 0, 1) == 0) {
+    TriangleMesh open = turned(boxAt({0, 0, 0}, {1 + a, 1, 1 + b}), random);
+    open.triangles.resize(open.triangles.size() - 2);  // without one of its sides
+    return {.name = "an open box", .mesh = std::move(open), .unionVolume = (1 + a) * (1 + b)};
+  }
+  // A shell, 2.5 voxels thick.
+  return {
+      .name = "a fold",
+      .mesh = {{{0, 0, 0}, {side, 0, 0}, {side, a, b}, {0, a, b}, {0, 1, 0}, {side, 1, 0}},
+               {{0, 1, 2}, {0, 2, 3}, {3, 2, 5}, {3, 5, 4}}},
+      .unionVolume = side * (std::hypot(a, b) + std::hypot(1 - a, b)) * 2.5 * side / resolution};
+}
+
 // Bodies that touch, overlap, lie within each other, or have gaps of 0.01 to 2 voxels, with the
 // volume of their union.
 Input randomBodies(std::mt19937_64& random, int resolution) {
@@ -116,7 +132,7 @@ Input randomBodies(std::mt19937_64& random, int resolution) {
   const double voxel = 3.0 / resolution;
   const double gap = voxel * std::exp(uniform(random, std::log(0.01), std::log(2.0)));
   const TriangleMesh unit = boxAt({0, 0, 0}, {1, 1, 1});
-  switch (whole(random, 0, 11)) {
+  switch (whole(random, 0, 9)) {
     case 0:
       return {.name = "near boxes",
               .mesh = turned(boxes({1, 1, 1}, glm::dvec3(gap), {3, 2, 1}), random),
@@ -154,19 +170,6 @@ Input randomBodies(std::mt19937_64& random, int resolution) {
       return {.name = "boxes at an edge",
               .mesh = shapes::append(unit, boxAt({1, 1, 0}, {1, 1, 1})),
               .unionVolume = 2.0};
-    case 9: {
-      TriangleMesh open = turned(boxAt({0, 0, 0}, {1 + a, 1, 1 + b}), random);
-      open.triangles.resize(open.triangles.size() - 2);  // without one of its sides
-      return {.name = "an open box", .mesh = std::move(open), .unionVolume = (1 + a) * (1 + b)};
-    }
-    case 10: {
-      const double side = 3.0;
-      return {.name = "a fold",
-              .mesh = {{{0, 0, 0}, {side, 0, 0}, {side, a, b}, {0, a, b}, {0, 1, 0}, {side, 1, 0}},
-                       {{0, 1, 2}, {0, 2, 3}, {3, 2, 5}, {3, 5, 4}}},
-              .unionVolume =
-                  side * (std::hypot(a, b) + std::hypot(1 - a, b)) * 2.5 * side / resolution};
-    }
     default:
       return {.name = "boxes at a vertex",
               .mesh = shapes::append(unit, boxAt({1, 1, 1}, {1, 1, 1})),
@@ -280,7 +283,8 @@ int main(int argc, char** argv) {
   for (int i = 0; i < count; ++i) {
     const FractureOptions options = randomOptions(random);
     if (i % 3 == 0) {
-      Input input = randomBodies(random, options.solid.resolution);
+      const int resolution = options.solid.resolution;
+      Input input = i % 12 == 0 ? randomOpen(random, resolution) : randomBodies(random, resolution);
       input.mesh = merged(std::move(input.mesh));
       breakOne(input, options, device, tallies[input.name]);
     } else if (!meshes.empty() && i % 3 == 1) {
