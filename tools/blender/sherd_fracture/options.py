@@ -13,7 +13,7 @@ def options(choices, position, weighted):
     resolution = min(choices.resolution, PREVIEW) if choices.preview else choices.resolution
     words = ["--pieces", choices.pieces, "--resolution", resolution, "--seed", choices.seed,
              "--surface", choices.surface.lower()]
-    if choices.surface == "EXACT":
+    if choices.surface == "AUTO":
         words += ["--adaptivity", ADAPTIVITY]
     if choices.material != "NONE":
         words += ["--material", choices.material.lower()]

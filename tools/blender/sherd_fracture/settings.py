@@ -26,8 +26,8 @@ class Choices:
         ("CHAIN", "Chain", "Over voxel faces in the order of the distance to the seed"),
         ("FLOOD", "Flood", "Layer by layer"),
         ("SEQUENTIAL", "Sequential", "Split after split, in order: a crack ends at an older one")])
-    surface: EnumProperty(name="Surface", description="The outside of fragments", default="EXACT", items=[
-        ("EXACT", "Exact", "The object's own faces, cut by the cracks; the smooth surface where that fails"),
+    surface: EnumProperty(name="Surface", description="The outside of fragments", default="AUTO", items=[
+        ("AUTO", "Automatic", "The object's own faces, cut by the cracks; the smooth surface where that fails"),
         ("SMOOTH", "Smooth", "A new surface, from voxels")])
     levels: IntProperty(name="Levels", description="Splits of sequential growth that are shown as nested collections",
                         default=0, min=0, max=16)
