@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "appearance/transfer.h"
@@ -41,6 +42,19 @@ bool isFlipped(const Part& part, const std::array<glm::dvec3, 3>& whole) {
     return orientation(ExactPoint(t[0]), ExactPoint(t[1]), ExactPoint(t[2]), axis);
   };
   return sideOf(part.corner) * sideOf(whole) < 0;
+}
+
+// Whether a part stands across the whole triangle, as the rim of a shell does on its sheet.  A
+// sliver in its plane does not, whatever its own normal.
+bool isAcross(const Part& part, const std::array<glm::dvec3, 3>& whole) {
+  const glm::dvec3 of = unitOrZero(glm::cross(whole[1] - whole[0], whole[2] - whole[0]));
+  const double size = glm::length(whole[1] - whole[0]) + glm::length(whole[2] - whole[0]);
+  const std::array<glm::dvec3, 3>& t = part.corner;
+  const bool isInPlane = std::ranges::all_of(
+      t, [&](const glm::dvec3& p) { return std::abs(glm::dot(p - whole[0], of)) <= 1e-6 * size; });
+  constexpr double kLeastCosine = 0.1;
+  return !isInPlane &&
+         std::abs(glm::dot(unitOrZero(glm::cross(t[1] - t[0], t[2] - t[0])), of)) < kLeastCosine;
 }
 
 // Returns the unit vector of the mean of a triangle's normals; if they cancel, its own normal.
@@ -91,7 +105,7 @@ void AttributeSource::setFromSource(SurfaceAttributes& out, const TriangleMesh& 
     }
     interpolate(out, t, k, from, part.weights[k]);
   }
-  if (out.normals.empty()) return;
+  if (out.normals.empty() || isAcross(part, whole)) return;
   const float sign = isFlipped(part, whole) ? -1.0f : 1.0f;
   const auto& given = attributes_.normals[from];
   for (std::size_t k = 0; k < 3; ++k) {

@@ -19,7 +19,7 @@ struct ClosedMesh {
 /// Closes the mesh of a solid: all its triangles, and after them faces that fill its boundary
 /// loops, whose source is TriangleMesh::kNoSource; of a shell its two sides, by shellMesh.  It
 /// fails where these enclose other voxels than the solid has: more than kOtherVoxels of them and,
-/// beyond that, than a layer along the faces that have no source.
+/// beyond that, than a layer along the faces that close holes, or the rim of a shell.
 ///   solid   filled by winding numbers, or a shell
 ///   throws  Error(cancelled)
 [[nodiscard]] ClosedMesh closedMesh(const Solid& solid, const Progress* progress = nullptr);

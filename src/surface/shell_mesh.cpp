@@ -146,8 +146,8 @@ SolidMesh shellMesh(const SolidMesh& sheets, double thickness) {
     for (int k = 0; k < 3; ++k) {
       if (!all.isOpen(t, k)) continue;
       const std::uint32_t from = all.vertexOf(t, k), to = all.vertexOf(t, (k + 1) % 3);
-      add({to, from, from + back}, TriangleMesh::kNoSource);
-      add({to, from + back, to + back}, TriangleMesh::kNoSource);
+      add({to, from, from + back}, sheets.source[t]);
+      add({to, from + back, to + back}, sheets.source[t]);
     }
   }
   return out;

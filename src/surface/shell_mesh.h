@@ -6,7 +6,7 @@
 namespace sherd {
 
 /// Returns sheets with a thickness: every triangle twice, moved by half of it to both sides, and
-/// faces between the two along open edges, whose source is TriangleMesh::kNoSource.  Vertices move
+/// faces between the two along open edges, whose source is the triangle there.  Vertices move
 /// along the mean normal of the faces around them, so far that these faces move by half the
 /// thickness, at most by kMostMiter times that.  Edges of more than two triangles, or of two that
 /// have it in the same direction, are open edges of each.  So the result is closed, but may cross

@@ -6,6 +6,7 @@
 #include <sherd/fracture.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -52,9 +53,18 @@ TEST(ShellMesh, OfASquareIsABox) {
   const SolidMesh shell = shellOf(square, 0.25);
   EXPECT_DOUBLE_EQ(volume(shell.mesh), 1.0);
   EXPECT_EQ(shell.mesh.triangles.size(), 8u + 8u + 16u);
-  std::size_t rim = 0;
-  for (const std::uint32_t source : shell.source) rim += source == TriangleMesh::kNoSource;
-  EXPECT_EQ(rim, 16u);
+  std::map<std::uint32_t, int> parts;  // of each triangle: two sides, and two faces at open edges
+  for (const std::uint32_t source : shell.source) ++parts[source];
+  EXPECT_EQ(parts.size(), square.triangles.size());
+  for (std::uint32_t t = 0; t < 8; ++t) {
+    int open = 0;
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 middle = 0.5 * (square.vertices[square.triangles[t][k]] +
+                                       square.vertices[square.triangles[t][(k + 1) % 3]]);
+      open += middle.x == 0.0 || middle.x == 2.0 || middle.y == 0.0 || middle.y == 2.0;
+    }
+    EXPECT_EQ(parts[t], 2 + 2 * open);
+  }
   EXPECT_TRUE(selfCrossings(shell.mesh.vertices, shell.mesh.triangles).empty());
 }
 
