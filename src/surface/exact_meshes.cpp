@@ -13,6 +13,7 @@
 #include "mesh/positions.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
+#include "surface/clean_meshes.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
 #include "surface/label_reader.h"
@@ -133,6 +134,9 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
     const Complex simple = withMergedFacets(cracks, merging, progress).complex;
     surface = exactSurface(mesh, simple, fragments, space, progress);
     if (!surface.isDegenerate) break;
+  }
+  if (surface.failure.empty()) {
+    surface.meshes = withoutSlivers(std::move(surface.meshes), mesh, cleanOptions(solid), progress);
   }
   return surface;
 }
