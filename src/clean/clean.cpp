@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "base/cancel_flag.h"
 #include "clean/change.h"
 #include "clean/guard.h"
+#include "clean/rounded_faults.h"
 #include "clean/stars.h"
 
 namespace sherd {
@@ -21,6 +23,9 @@ constexpr int kMostRounds = 12;
 
 // How far a point of a face may move, tolerances.
 constexpr double kReach = 4.0;
+
+// The same, to mend what single precision spoils, of kReach.
+constexpr double kMendingReach = 4.0;
 
 // A short edge, or a vertex near an edge.
 struct Defect {
@@ -37,16 +42,36 @@ struct Defect {
 // The triangles of the mesh that a vertex lies on, ascending.
 using Carrier = std::vector<std::uint32_t>;
 
+std::vector<glm::dvec3> roundedToFloats(const std::vector<glm::dvec3>& exact) {
+  std::vector<glm::dvec3> rounded;
+  rounded.reserve(exact.size());
+  for (const glm::dvec3& p : exact) rounded.emplace_back(glm::vec3(p));
+  return rounded;
+}
+
 class Cleaning {
  public:
   Cleaning(CleanMesh mesh, const TriangleMesh& cut, const CleanOptions& options)
       : isFixed_(std::move(mesh.isFixed)),
-        positions_{std::move(mesh.vertices), {}},
+        positions_{std::move(mesh.vertices), {}, options.spacing},
         stars_(std::move(mesh.faces), positions_.exact.size()),
         cut_(cut),
-        tolerance_(options.tolerance) {}
+        tolerance_(options.tolerance) {
+    if (options.spacing > 0.0) positions_.rounded = roundedToFloats(positions_.exact);
+  }
 
   Cleaned clean(const Progress* progress) {
+    removeSlivers(progress);
+    if (!positions_.rounded.empty()) mendRounded(progress);
+    Cleaned result{{std::move(positions_.exact), std::move(isFixed_), {}}, changes_};
+    for (std::uint32_t f = 0; f < stars_.count(); ++f) {
+      if (stars_.isThere(f)) result.mesh.faces.push_back(stars_.face(f));
+    }
+    return result;
+  }
+
+ private:
+  void removeSlivers(const Progress* progress) {
     for (std::uint32_t f = 0; f < stars_.count(); ++f) touched_.push_back(f);
     for (int round = 0; round < kMostRounds; ++round) {
       const std::size_t before = changes_;
@@ -57,27 +82,94 @@ class Cleaning {
       merge(thinFaces(more), progress);
       if (changes_ == before) break;
     }
-    Cleaned result{{std::move(positions_.exact), std::move(isFixed_), {}}, changes_};
-    for (std::uint32_t f = 0; f < stars_.count(); ++f) {
-      if (stars_.isThere(f)) result.mesh.faces.push_back(stars_.face(f));
-    }
-    return result;
   }
 
- private:
+  // Changes the faces that single precision spoils, and those around them, until there are none, or
+  // nothing helps.
+  void mendRounded(const Progress* progress) {
+    std::vector<std::uint32_t> vertices = cutVertices();
+    for (int round = 0; round < kMostRounds && !vertices.empty(); ++round) {
+      const std::vector<std::uint32_t> faults =
+          roundedFaults(stars_, positions_, vertices, progress);
+      touched_.clear();
+      const std::size_t before = changes_;
+      for (const std::uint32_t f : faults) {
+        throwIfCancelled(progress);
+        if (stars_.isThere(f)) mend(f);
+      }
+      if (changes_ == before) break;
+      touched_.insert(touched_.end(), faults.begin(), faults.end());
+      vertices.clear();
+      for (const std::uint32_t f : touched_) {
+        if (!stars_.isThere(f)) continue;
+        const glm::uvec3& corner = stars_.face(f).corner;
+        vertices.insert(vertices.end(), {corner.x, corner.y, corner.z});
+      }
+      std::sort(vertices.begin(), vertices.end());
+      vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    }
+  }
+
+  // Returns the vertices of faces that are not triangles of the mesh as it is.
+  std::vector<std::uint32_t> cutVertices() const {
+    std::vector<bool> isCut(positions_.exact.size(), false);
+    for (std::uint32_t f = 0; f < stars_.count(); ++f) {
+      const glm::uvec3& t = stars_.face(f).corner;
+      if (!stars_.isThere(f) || (isFixed_[t.x] && isFixed_[t.y] && isFixed_[t.z])) continue;
+      for (int k = 0; k < 3; ++k) isCut[t[k]] = true;
+    }
+    std::vector<std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < isCut.size(); ++v) {
+      if (isCut[v]) vertices.push_back(v);
+    }
+    return vertices;
+  }
+
+  // Tries what moves points least first.
+  void mend(std::uint32_t f) {
+    isMending_ = true;
+    const std::array<Defect, 3> edges = edgesOf(f);
+    const glm::uvec3 corner = stars_.face(f).corner;
+    bool isDone = false;
+    const auto collapseBelow = [&](double length) {
+      for (const Defect& edge : edges) {
+        if (edge.size < length) isDone = isDone || collapseEdge(edge);
+      }
+    };
+    collapseBelow(2.0 * tolerance_);
+    if (const Defect thin = thinnest(corner); !isDone && thin.size < 2.0 * tolerance_) {
+      isDone = removeThin(thin);
+    }
+    for (int k = 0; k < 3; ++k) isDone = isDone || nudge(corner[k]);
+    collapseBelow(kReach * kMendingReach * tolerance_);
+    isMending_ = false;
+  }
+
   // Returns the edges below the tolerance of some faces, the shortest first.
   std::vector<Defect> shortEdges(const std::vector<std::uint32_t>& faces) const {
     std::vector<Defect> found;
     for (const std::uint32_t f : faces) {
       if (!stars_.isThere(f) || !stars_.face(f).isPrimary()) continue;
-      const glm::uvec3& t = stars_.face(f).corner;
-      for (int k = 0; k < 3; ++k) {
-        const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
-        const double length = glm::distance(positions_.exact[a], positions_.exact[b]);
-        if (length < tolerance_ && !(isFixed_[a] && isFixed_[b])) found.push_back({length, a, b});
+      for (const Defect& edge : edgesOf(f)) {
+        if (edge.size < tolerance_ && !(isFixed_[edge.a] && isFixed_[edge.b])) {
+          found.push_back(edge);
+        }
       }
     }
     return sorted(std::move(found));
+  }
+
+  // Returns the edges of a face, the shortest first.
+  std::array<Defect, 3> edgesOf(std::uint32_t f) const {
+    const glm::uvec3& t = stars_.face(f).corner;
+    std::array<Defect, 3> edges;
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+      edges[static_cast<std::size_t>(k)] = {glm::distance(positions_.exact[a], positions_.exact[b]),
+                                            a, b};
+    }
+    std::sort(edges.begin(), edges.end());
+    return edges;
   }
 
   // Returns the faces of which a corner is nearer than the tolerance to the opposite edge, between
@@ -119,16 +211,17 @@ class Cleaning {
     for (std::size_t i = 0; i < defects.size(); ++i) {
       if (i % 64 == 0) throwIfCancelled(progress);
       if (defects[i].tip == Change::kNone) {
-        collapseEdge(defects[i]);
+        (void)collapseEdge(defects[i]);
       } else {
-        removeThin(defects[i]);
+        (void)removeThin(defects[i]);
       }
     }
   }
 
-  void collapseEdge(const Defect& edge) {
+  // Returns whether it is done, as those below.
+  bool collapseEdge(const Defect& edge) {
     const bool isThere = !stars_.around(edge.a).empty() && !stars_.around(edge.b).empty();
-    if (!isThere || stars_.atEdge(edge.a, edge.b).empty()) return;
+    if (!isThere || stars_.atEdge(edge.a, edge.b).empty()) return false;
     const Carrier ofA = carrierOf(edge.a), ofB = carrierOf(edge.b);
     // A vertex where more pieces meet stays, so that their borders stay where they are.
     const bool aStays =
@@ -138,15 +231,16 @@ class Cleaning {
       const Carrier &from = stays ? ofB : ofA, &to = stays ? ofA : ofB;
       if (isFixed_[gone] || !std::includes(to.begin(), to.end(), from.begin(), from.end()))
         continue;
-      if (tryChange(collapse(stars_, gone, at, positions_.exact))) return;
+      if (tryChange(collapse(stars_, gone, at, positions_.exact))) return true;
     }
+    return false;
   }
 
-  void removeThin(const Defect& thin) {
+  bool removeThin(const Defect& thin) {
     const std::vector<std::uint32_t> edge = stars_.atEdge(thin.a, thin.b);
     const bool isThere = std::any_of(edge.begin(), edge.end(),
                                      [&](std::uint32_t f) { return stars_.face(f).has(thin.tip); });
-    if (!isThere) return;
+    if (!isThere) return false;
     Carrier ofEdge;
     for (const std::uint32_t f : edge) {
       const CleanFace& face = stars_.face(f);
@@ -161,14 +255,13 @@ class Cleaning {
     const std::vector<glm::dvec3>& at = positions_.exact;
     glm::dvec3 position = at[thin.tip];
     if (!lies(ofTip, ofEdge)) {
-      if (isFixed_[thin.tip] || !lies(ofEdge, ofTip)) return;
+      if (isFixed_[thin.tip] || !lies(ofEdge, ofTip)) return false;
       const glm::dvec3 along = at[thin.b] - at[thin.a];
       const double share = glm::dot(position - at[thin.a], along) / glm::dot(along, along);
       position = at[thin.a] + share * along;
     }
     Change change = attach(stars_, thin.a, thin.b, thin.tip, position, at);
-    if (isThinner(change, thin.size)) return;
-    (void)tryChange(change);
+    return !isThinner(change, thin.size) && tryChange(change);
   }
 
   // Whether a change makes a face thinner than a height.
@@ -182,6 +275,58 @@ class Cleaning {
     return is;
   }
 
+  // Moves a vertex by a few spacings of floats, within what it lies on.
+  bool nudge(std::uint32_t vertex) {
+    if (isFixed_[vertex]) return false;
+    const std::vector<glm::dvec3> ways = waysAlong(carrierOf(vertex));
+    for (const double step : {1.0, 2.0, 4.0}) {
+      for (const glm::dvec3& way : ways) {
+        Change change{.at = vertex,
+                      .position = positions_.exact[vertex] + step * positions_.spacing * way,
+                      .distance = step * positions_.spacing};
+        for (const std::uint32_t f : stars_.around(vertex)) {
+          change.moved.push_back({f, stars_.face(f).corner});
+        }
+        if (tryChange(change)) return true;
+      }
+    }
+    return false;
+  }
+
+  // Returns unit vectors in which a point on some triangles of the mesh may move.
+  std::vector<glm::dvec3> waysAlong(const Carrier& carrier) const {
+    const double oblique = std::sqrt(0.5);
+    if (carrier.empty()) {
+      return {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    }
+    const auto cornerOf = [&](std::uint32_t t, int k) {
+      return cut_.vertices[cut_.triangles[t][k]];
+    };
+    const std::uint32_t first = carrier.front();
+    if (carrier.size() == 1) {
+      const glm::dvec3 u = glm::normalize(cornerOf(first, 1) - cornerOf(first, 0));
+      const glm::dvec3 normal = glm::cross(u, cornerOf(first, 2) - cornerOf(first, 0));
+      const glm::dvec3 v = glm::normalize(glm::cross(normal, u));
+      return {u,
+              -u,
+              v,
+              -v,
+              oblique * (u + v),
+              -oblique * (u + v),
+              oblique * (u - v),
+              oblique * (v - u)};
+    }
+    std::vector<std::uint32_t> common;
+    for (int k = 0; k < 3 && carrier.size() == 2; ++k) {
+      const std::uint32_t vertex = cut_.triangles[first][k];
+      const glm::uvec3& other = cut_.triangles[carrier.back()];
+      if (other.x == vertex || other.y == vertex || other.z == vertex) common.push_back(vertex);
+    }
+    if (common.size() != 2) return {};
+    const glm::dvec3 along = glm::normalize(cut_.vertices[common[1]] - cut_.vertices[common[0]]);
+    return {along, -along};
+  }
+
   Carrier carrierOf(std::uint32_t vertex) const {
     Carrier carrier;
     for (const std::uint32_t f : stars_.around(vertex)) {
@@ -193,9 +338,14 @@ class Cleaning {
   }
 
   bool tryChange(const Change& change) {
-    if (!guard_) guard_ = std::make_unique<Guard>(stars_, positions_, cut_, kReach * tolerance_);
-    if (!guard_->allows(change)) return false;
+    const double reach = kReach * tolerance_, most = kMendingReach * reach;
+    if (!guard_) guard_ = std::make_unique<Guard>(stars_, positions_, cut_, most);
+    if (!guard_->allows(change, isMending_ ? most : reach)) return false;
+    if (isMending_ && !guard_->mends(change)) return false;
     positions_.exact[change.at] = change.position;
+    if (!positions_.rounded.empty()) {
+      positions_.rounded[change.at] = glm::dvec3(glm::vec3(change.position));
+    }
     for (const std::uint32_t f : change.removed) stars_.remove(f);
     for (const Change::Face& part : change.added) {
       CleanFace face = stars_.face(part.number);
@@ -220,6 +370,7 @@ class Cleaning {
   const double tolerance_;
   std::unique_ptr<Guard> guard_;        // made by the first change
   std::vector<std::uint32_t> touched_;  // faces that have changed since they were looked at
+  bool isMending_ = false;              // changes are to mend what single precision spoils
   std::size_t changes_ = 0;
 };
 

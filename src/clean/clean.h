@@ -20,6 +20,8 @@ struct CleanMesh {
 
 struct CleanOptions {
   double tolerance = 0.0;  ///< world units
+  double spacing = 0.0;    ///< of floats where they are farthest apart: pieces are to be sound with
+                           ///< their vertices rounded to these too; 0: in double precision only
 };
 
 struct Cleaned {

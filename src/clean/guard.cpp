@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "clean/star_fans.h"
 #include "exact/crossing_point.h"
@@ -80,30 +81,17 @@ void Guard::addPart(std::uint32_t number, std::uint32_t of) {
   stamp_.push_back(0);
 }
 
-bool Guard::allows(const Change& change) {
-  if (change.removed.empty() || !keepsFans(stars_, change)) return false;
+bool Guard::allows(const Change& change, double reach) {
+  if (!keepsFans(stars_, change)) return false;
   faces_.clear();
   for (const Change::Face& f : change.moved) faces_.push_back({f.number, f.corner});
   for (const Change::Face& f : change.added) faces_.push_back({f.number, f.corner});
   for (const NewFace& f : faces_) {
-    if (distance_[f.number] + change.distance > reach_) return false;
+    if (distance_[f.number] + change.distance > reach) return false;
   }
   mark(change);
-  if (!allowsAt(positions_.exact, change, change.position)) return false;
-  return positions_.rounded.empty() ||
-         allowsAt(positions_.rounded, change, glm::dvec3(glm::vec3(change.position)));
-}
-
-// Marks the faces that are removed or moved.
-void Guard::mark(const Change& change) {
-  ++now_;
-  for (const std::uint32_t f : change.removed) stamp_[f] = now_;
-  for (const Change::Face& f : change.moved) stamp_[f.number] = now_;
-}
-
-bool Guard::allowsAt(Positions& at, const Change& change, const glm::dvec3& moved) {
-  const glm::dvec3 before = at[change.at];
-  at[change.at] = moved;
+  Positions& at = positions_.exact;
+  const glm::dvec3 before = std::exchange(at[change.at], change.position);
   bool isAllowed = true;
   for (const NewFace& face : faces_) {
     isAllowed = isAllowed && keepsShape(face, at, change, before);
@@ -111,6 +99,49 @@ bool Guard::allowsAt(Positions& at, const Change& change, const glm::dvec3& move
   isAllowed = isAllowed && keepsApart(at, change, before);
   at[change.at] = before;
   return isAllowed;
+}
+
+bool Guard::mends(const Change& change) {
+  std::vector<glm::uvec3> old, fresh;
+  const auto add = [&](std::uint32_t f) {
+    if (stars_.face(f).isPrimary()) old.push_back(stars_.face(f).corner);
+  };
+  for (const std::uint32_t f : change.removed) add(f);
+  for (const Change::Face& f : change.moved) add(f.number);
+  for (const NewFace& f : faces_) {
+    if (stars_.face(f.number).isPrimary()) fresh.push_back(f.corner);
+  }
+  const std::size_t now = faultsOf(old);
+  if (now == 0) return false;
+  glm::dvec3& at = positions_.rounded[change.at];
+  const glm::dvec3 before = std::exchange(at, glm::dvec3(glm::vec3(change.position)));
+  const std::size_t then = faultsOf(fresh);
+  at = before;
+  return then < now;
+}
+
+// Counts faces without area and pairs that cross, in single precision.
+std::size_t Guard::faultsOf(const std::vector<glm::uvec3>& faces) const {
+  const Positions& at = positions_.rounded;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Corners own = cornersOf(at, faces[i]);
+    count += areCollinear(own) ? 1u : 0u;
+    for (const std::uint32_t other : near(widened(boxOf(own), reach_))) {
+      count += trianglesCross(at, faces[i], stars_.face(other).corner) ? 1u : 0u;
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      count += trianglesCross(at, faces[i], faces[k]) ? 1u : 0u;
+    }
+  }
+  return count;
+}
+
+// Marks the faces that are removed or moved.
+void Guard::mark(const Change& change) {
+  ++now_;
+  for (const std::uint32_t f : change.removed) stamp_[f] = now_;
+  for (const Change::Face& f : change.moved) stamp_[f.number] = now_;
 }
 
 // Whether a face keeps its side.  The parts of a mesh's triangle are in its plane, so that they

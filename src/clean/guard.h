@@ -1,34 +1,33 @@
 // Decides which changes are allowed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "clean/change.h"
+#include "clean/rounded_faults.h"
 #include "mesh/near_boxes.h"
 
 namespace sherd {
-
-/// The positions of vertices, of which pieces must be sound: those of the pieces, and those of
-/// files of another precision.
-struct CleanPositions {
-  std::vector<glm::dvec3> exact;
-  std::vector<glm::dvec3> rounded{};  ///< empty: as exact
-};
 
 /// Keeps the surface that cracks have not made in its planes, and all faces apart.
 class Guard {
  public:
   ///   mesh   to whose triangles CleanFace::source refers
-  ///   reach  how far a point of a face may move
+  ///   reach  how far a point of a face may ever move
   Guard(const Stars& stars, CleanPositions& positions, const TriangleMesh& mesh, double reach);
 
   /// Returns whether a change keeps the pieces manifold, faces of the outside in their planes and
   /// facing outwards, gives every face an area, and lets no faces meet that did not.
-  [[nodiscard]] bool allows(const Change& change);
+  ///   reach  how far a point of a face may move in all, at most that of the guard
+  [[nodiscard]] bool allows(const Change& change, double reach);
+
+  /// Returns whether a change that is allowed leaves fewer faces that cross others, or have no
+  /// area, in single precision.
+  [[nodiscard]] bool mends(const Change& change);
 
   /// Records a face that is a new part of another.
   void addPart(std::uint32_t number, std::uint32_t of);
@@ -45,12 +44,12 @@ class Guard {
     glm::uvec3 corner{0};
   };
 
-  [[nodiscard]] bool allowsAt(Positions& at, const Change& change, const glm::dvec3& moved);
   [[nodiscard]] bool keepsShape(const NewFace& face, const Positions& at, const Change& change,
                                 const glm::dvec3& before) const;
   [[nodiscard]] bool keepsApart(Positions& at, const Change& change, const glm::dvec3& before);
   [[nodiscard]] bool crossedBefore(Positions& at, const Change& change, const glm::dvec3& before,
                                    std::uint32_t other) const;
+  [[nodiscard]] std::size_t faultsOf(const std::vector<glm::uvec3>& faces) const;
   [[nodiscard]] std::vector<std::uint32_t> near(const Box& box) const;
   void mark(const Change& change);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mesh/positions.h"
+#include "mesh/single_rounding.h"
 #include "surface/manifold.h"
 #include "surface/vertex_numbers.h"
 
@@ -17,6 +18,7 @@ namespace {
 struct Joined {
   CleanMesh mesh;
   std::vector<std::uint32_t> positionId;  // [vertices] the least of those at the position
+  std::vector<bool> hasSheets;            // [pieces] several of its vertices are at one position
 };
 
 // Returns [positions] the vertices by LabeledMesh::positionId, of which some are not used.
@@ -50,6 +52,10 @@ Joined joined(const std::vector<LabeledMesh>& meshes, const TriangleMesh& cut) {
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const LabeledMesh& own = meshes[i];
     const auto vertex = [&](std::uint32_t v) { return first[numbers.of(own.positionId[v])]; };
+    std::vector<std::uint32_t> merged;
+    for (std::uint32_t v = 0; v < own.positionId.size(); ++v) merged.push_back(vertex(v));
+    const VertexNumbers distinct(std::move(merged), all.mesh.vertices.size());
+    all.hasSheets.push_back(distinct.vertices().size() < own.positionId.size());
     for (std::size_t t = 0; t < own.mesh.triangles.size(); ++t) {
       const glm::uvec3& c = own.mesh.triangles[t];
       all.mesh.faces.push_back({{vertex(c.x), vertex(c.y), vertex(c.z)},
@@ -79,11 +85,22 @@ LabeledMesh meshOf(const std::vector<CleanFace>& faces, const CleanMesh& all,
     out.other.push_back(f.other);
     out.mesh.source.push_back(f.source);
   }
-  (void)makeManifold(out);  // closed, as the pieces were
   return out;
 }
 
 }  // namespace
+
+CleanOptions cleanOptions(const Solid& solid) {
+  const double voxel = solid.frame.voxelSize;
+  const double side = solid.box.longestSide() * voxel;
+  const double spacing = 2.0 * singleRounding({solid.frame.worldFromIndex(solid.box.min),
+                                               solid.frame.worldFromIndex(solid.box.max)});
+  CleanOptions options{.tolerance = std::max(kCleanVoxels * voxel, kCleanShare * side)};
+  if (spacing / 2.0 > kCleanRoundingVoxels * voxel) return options;
+  options.tolerance = std::max(options.tolerance, kCleanSpacings * spacing);
+  options.spacing = spacing;
+  return options;
+}
 
 std::vector<LabeledMesh> withoutSlivers(std::vector<LabeledMesh> meshes, const TriangleMesh& cut,
                                         const CleanOptions& options, const Progress* progress) {
@@ -94,6 +111,7 @@ std::vector<LabeledMesh> withoutSlivers(std::vector<LabeledMesh> meshes, const T
   for (const CleanFace& f : clean.mesh.faces) faces[f.piece - 1u].push_back(f);
   tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
     meshes[i] = meshOf(faces[i], clean.mesh, all.positionId);
+    if (all.hasSheets[i]) (void)makeManifold(meshes[i]);  // it is closed, as it was
   });
   return meshes;
 }

@@ -5,7 +5,6 @@
 #include <sherd/progress.h>
 #include <sherd/solid.h>
 
-#include <algorithm>
 #include <vector>
 
 #include "clean/clean.h"
@@ -13,15 +12,17 @@
 
 namespace sherd {
 
-/// How near to each other vertices and edges of exact surfaces may be: voxels, and of the longest
-/// side.
-inline constexpr double kCleanVoxels = 1e-3, kCleanShare = 2e-5;
+/// How near to each other vertices and edges of exact surfaces may be: voxels, of the longest side,
+/// and spacings of the floats that files may round them to.
+inline constexpr double kCleanVoxels = 1e-3, kCleanShare = 2e-5, kCleanSpacings = 4.0;
 
-/// Returns the tolerances of a solid's pieces.
-[[nodiscard]] inline CleanOptions cleanOptions(const Solid& solid) {
-  const double side = solid.box.longestSide() * solid.frame.voxelSize;
-  return {.tolerance = std::max(kCleanVoxels * solid.frame.voxelSize, kCleanShare * side)};
-}
+/// How far single precision may move vertices for pieces to be sound in it, voxels: as
+/// kMostRoundingVoxels, above which there is a warning.
+inline constexpr double kCleanRoundingVoxels = 0.01;
+
+/// Returns the tolerances of a solid's pieces.  They are sound in single precision too, unless that
+/// loses too much.
+[[nodiscard]] CleanOptions cleanOptions(const Solid& solid);
 
 /// Cleans the meshes of exactSurface.
 ///   meshes  with TriangleMesh::source by `cut`; LabeledMesh::positionId is the index of a vertex
