@@ -20,12 +20,20 @@ struct Change {
     glm::uvec3 corner{0};
   };
 
+  /// A new face, in a gap that moved faces leave.
+  struct Patch {
+    CleanFace face;
+    std::uint32_t beside =
+        0;  ///< a face whose points are about as near to all of it as points move
+  };
+
   std::uint32_t at = 0;        ///< the vertex that they are merged with
   glm::dvec3 position{0.0};    ///< its position afterwards
   std::uint32_t gone = kNone;  ///< the vertex that is merged with it, which has no faces afterwards
   std::vector<std::uint32_t> removed{};  ///< faces that lose their area
   std::vector<Face> moved{};
   std::vector<Face> added{};
+  std::vector<Patch> patches{};
   double distance = 0.0;  ///< how far points of faces move
 };
 

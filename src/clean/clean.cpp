@@ -13,6 +13,7 @@
 #include "base/cancel_flag.h"
 #include "clean/change.h"
 #include "clean/guard.h"
+#include "clean/part_sheets.h"
 #include "clean/rounded_faults.h"
 #include "clean/stars.h"
 
@@ -56,12 +57,14 @@ class Cleaning {
         positions_{std::move(mesh.vertices), {}, options.spacing},
         stars_(std::move(mesh.faces), positions_.exact.size()),
         cut_(cut),
-        tolerance_(options.tolerance) {
+        tolerance_(options.tolerance),
+        pinches_(std::move(mesh.pinches)) {
     if (options.spacing > 0.0) positions_.rounded = roundedToFloats(positions_.exact);
   }
 
   Cleaned clean(const Progress* progress) {
     removeSlivers(progress);
+    for (const Pinch& pinch : pinches_) partSheets(pinch);
     if (!positions_.rounded.empty()) mendRounded(progress);
     Cleaned result{{std::move(positions_.exact), std::move(isFixed_), {}}, changes_};
     for (std::uint32_t f = 0; f < stars_.count(); ++f) {
@@ -82,6 +85,59 @@ class Cleaning {
       merge(thinFaces(more), progress);
       if (changes_ == before) break;
     }
+  }
+
+  // Gives the sheets of a piece that touches itself vertices of their own, some tolerances apart.
+  void partSheets(const Pinch& pinch) {
+    const double least = 4.0 * tolerance_, most = kReach * kMendingReach * tolerance_;
+    for (const double distance : {least, 2.0 * least, most}) {
+      for (const SheetParting& parting : partings(stars_, pinch.piece, pinch.vertex)) {
+        for (const glm::dvec3& way : waysInto(parting, pinch.vertex)) {
+          if (tryParting(parting, pinch, distance, way)) return;
+        }
+      }
+    }
+  }
+
+  // Returns unit vectors from a vertex: the first along the faces of a fan.
+  std::vector<glm::dvec3> waysInto(const SheetParting& parting, std::uint32_t vertex) const {
+    const glm::dvec3& from = positions_.exact[vertex];
+    glm::dvec3 along(0.0), inwards(0.0);
+    for (const std::uint32_t f : parting.fan) {
+      const std::array<glm::dvec3, 3> at = cornersOf(f);
+      const glm::dvec3 to = (at[0] + at[1] + at[2]) / 3.0 - from;
+      along += to / glm::length(to);
+      inwards -= glm::cross(at[1] - at[0], at[2] - at[0]);
+    }
+    std::vector<glm::dvec3> ways;
+    for (const glm::dvec3& way : {along, inwards, along + inwards}) {
+      if (const double length = glm::length(way); length > 0.0) ways.push_back(way / length);
+    }
+    const std::vector<glm::dvec3> axes = waysAlong({});
+    ways.insert(ways.end(), axes.begin(), axes.end());
+    return ways;
+  }
+
+  std::array<glm::dvec3, 3> cornersOf(std::uint32_t f) const {
+    const glm::uvec3& t = stars_.face(f).corner;
+    return {positions_.exact[t.x], positions_.exact[t.y], positions_.exact[t.z]};
+  }
+
+  bool tryParting(const SheetParting& parting, const Pinch& pinch, double distance,
+                  const glm::dvec3& way) {
+    const glm::dvec3 position = positions_.exact[pinch.vertex] + distance * way;
+    if (spare_ == Change::kNone) {
+      spare_ = stars_.addVertex();
+      positions_.exact.push_back(position);
+      if (!positions_.rounded.empty()) positions_.rounded.push_back(position);
+      isFixed_.push_back(false);
+    }
+    const Change change = part(stars_, parting, pinch.vertex, spare_, position, distance);
+    if (!partsSheets(stars_, change, pinch.vertex, pinch.piece)) return false;
+    if (!guard().keepsFaces(change, 2.0 * kReach * kMendingReach * tolerance_)) return false;
+    make(change);
+    spare_ = Change::kNone;
+    return true;
   }
 
   // Changes the faces that single precision spoils, and those around them, until there are none, or
@@ -338,29 +394,44 @@ class Cleaning {
   }
 
   bool tryChange(const Change& change) {
-    const double reach = kReach * tolerance_, most = kMendingReach * reach;
-    if (!guard_) guard_ = std::make_unique<Guard>(stars_, positions_, cut_, most);
-    if (!guard_->allows(change, isMending_ ? most : reach)) return false;
-    if (isMending_ && !guard_->mends(change)) return false;
+    const double reach = kReach * tolerance_;
+    if (!guard().allows(change, isMending_ ? kMendingReach * reach : reach)) return false;
+    if (isMending_ && !guard().mends(change)) return false;
+    make(change);
+    return true;
+  }
+
+  Guard& guard() {
+    if (!guard_) {
+      const double most = 2.0 * kReach * kMendingReach * tolerance_;
+      guard_ = std::make_unique<Guard>(stars_, positions_, cut_, most);
+    }
+    return *guard_;
+  }
+
+  void make(const Change& change) {
     positions_.exact[change.at] = change.position;
     if (!positions_.rounded.empty()) {
       positions_.rounded[change.at] = glm::dvec3(glm::vec3(change.position));
     }
     for (const std::uint32_t f : change.removed) stars_.remove(f);
+    const auto add = [&](const CleanFace& face, std::uint32_t beside) {
+      const std::uint32_t number = stars_.add(face);
+      guard_->addPart(number, beside);
+      guard_->addDistance(number, change.distance);
+    };
     for (const Change::Face& part : change.added) {
       CleanFace face = stars_.face(part.number);
       face.corner = part.corner;
-      const std::uint32_t number = stars_.add(face);
-      guard_->addPart(number, part.number);
-      guard_->addDistance(number, change.distance);
+      add(face, part.number);
     }
+    for (const Change::Patch& patch : change.patches) add(patch.face, patch.beside);
     for (const Change::Face& f : change.moved) {
       stars_.setCorners(f.number, f.corner);
       guard_->addDistance(f.number, change.distance);
     }
     for (const std::uint32_t f : stars_.around(change.at)) touched_.push_back(f);
     ++changes_;
-    return true;
   }
 
   std::vector<bool> isFixed_;
@@ -368,9 +439,11 @@ class Cleaning {
   Stars stars_;
   const TriangleMesh& cut_;
   const double tolerance_;
-  std::unique_ptr<Guard> guard_;        // made by the first change
-  std::vector<std::uint32_t> touched_;  // faces that have changed since they were looked at
-  bool isMending_ = false;              // changes are to mend what single precision spoils
+  const std::vector<Pinch> pinches_;
+  std::unique_ptr<Guard> guard_;         // made by the first change
+  std::vector<std::uint32_t> touched_;   // faces that have changed since they were looked at
+  std::uint32_t spare_ = Change::kNone;  // a vertex without faces
+  bool isMending_ = false;               // changes are to mend what single precision spoils
   std::size_t changes_ = 0;
 };
 

@@ -11,11 +11,18 @@
 
 namespace sherd {
 
+/// A vertex at which a piece touches itself.
+struct Pinch {
+  std::uint16_t piece = 0;
+  std::uint32_t vertex = 0;
+};
+
 /// The faces of all pieces.
 struct CleanMesh {
   std::vector<glm::dvec3> vertices{};  ///< of different positions
   std::vector<bool> isFixed{};         ///< [vertices] of the mesh that was cut: they do not move
   std::vector<CleanFace> faces{};      ///< closed surfaces of pieces
+  std::vector<Pinch> pinches{};        ///< all that there are
 };
 
 struct CleanOptions {

@@ -82,10 +82,19 @@ void Guard::addPart(std::uint32_t number, std::uint32_t of) {
 }
 
 bool Guard::allows(const Change& change, double reach) {
-  if (!keepsFans(stars_, change)) return false;
+  return keepsFans(stars_, change) && keepsFaces(change, reach);
+}
+
+bool Guard::keepsFaces(const Change& change, double reach) {
   faces_.clear();
-  for (const Change::Face& f : change.moved) faces_.push_back({f.number, f.corner});
-  for (const Change::Face& f : change.added) faces_.push_back({f.number, f.corner});
+  for (const auto* faces : {&change.moved, &change.added}) {
+    for (const Change::Face& f : *faces) {
+      faces_.push_back({f.number, f.corner, stars_.face(f.number).isPrimary()});
+    }
+  }
+  for (const Change::Patch& patch : change.patches) {
+    faces_.push_back({patch.beside, patch.face.corner, patch.face.isPrimary(), true});
+  }
   for (const NewFace& f : faces_) {
     if (distance_[f.number] + change.distance > reach) return false;
   }
@@ -109,7 +118,7 @@ bool Guard::mends(const Change& change) {
   for (const std::uint32_t f : change.removed) add(f);
   for (const Change::Face& f : change.moved) add(f.number);
   for (const NewFace& f : faces_) {
-    if (stars_.face(f.number).isPrimary()) fresh.push_back(f.corner);
+    if (f.isPrimary) fresh.push_back(f.corner);
   }
   const std::size_t now = faultsOf(old);
   if (now == 0) return false;
@@ -149,6 +158,7 @@ void Guard::mark(const Change& change) {
 bool Guard::keepsShape(const NewFace& face, const Positions& at, const Change& change,
                        const glm::dvec3& before) const {
   const Corners own = cornersOf(at, face.corner);
+  if (face.isPatch) return !areCollinear(own);
   const CleanFace& old = stars_.face(face.number);
   if (old.isOutside()) {
     const glm::dvec3 normal = normalOf(cornersOf(mesh_.vertices, mesh_.triangles[old.source]));
@@ -167,14 +177,14 @@ bool Guard::keepsShape(const NewFace& face, const Positions& at, const Change& c
 
 bool Guard::keepsApart(Positions& at, const Change& change, const glm::dvec3& before) {
   for (std::size_t i = 0; i < faces_.size(); ++i) {
-    if (!stars_.face(faces_[i].number).isPrimary()) continue;
+    if (!faces_[i].isPrimary) continue;
     for (const std::uint32_t other :
          near(widened(boxOf(cornersOf(at, faces_[i].corner)), reach_))) {
       if (!trianglesCross(at, faces_[i].corner, stars_.face(other).corner)) continue;
       if (!crossedBefore(at, change, before, other)) return false;
     }
     for (std::size_t k = 0; k < i; ++k) {
-      if (!stars_.face(faces_[k].number).isPrimary()) continue;
+      if (!faces_[k].isPrimary) continue;
       if (trianglesCross(at, faces_[i].corner, faces_[k].corner)) return false;
     }
   }
@@ -188,6 +198,7 @@ bool Guard::crossedBefore(Positions& at, const Change& change, const glm::dvec3&
   at[change.at] = before;
   bool is = false;
   for (const NewFace& f : faces_) {
+    if (f.isPatch) continue;
     is = is || trianglesCross(at, stars_.face(f.number).corner, stars_.face(other).corner);
   }
   at[change.at] = after;

@@ -25,11 +25,14 @@ class Guard {
   ///   reach  how far a point of a face may move in all, at most that of the guard
   [[nodiscard]] bool allows(const Change& change, double reach);
 
+  /// The same without the number of fans.
+  [[nodiscard]] bool keepsFaces(const Change& change, double reach);
+
   /// Returns whether a change that is allowed leaves fewer faces that cross others, or have no
   /// area, in single precision.
   [[nodiscard]] bool mends(const Change& change);
 
-  /// Records a face that is a new part of another.
+  /// Records a face that is a new part of another, or beside it.
   void addPart(std::uint32_t number, std::uint32_t of);
 
   /// Records that points of a face have moved.
@@ -40,8 +43,9 @@ class Guard {
 
   // A face after a change.
   struct NewFace {
-    std::uint32_t number = 0;  // of the face, or of the one that it is a part of
+    std::uint32_t number = 0;  // of the face, or of the one that it is a part of or beside
     glm::uvec3 corner{0};
+    bool isPrimary = false, isPatch = false;
   };
 
   [[nodiscard]] bool keepsShape(const NewFace& face, const Positions& at, const Change& change,

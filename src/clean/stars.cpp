@@ -46,6 +46,12 @@ void Stars::setCorners(std::uint32_t number, const glm::uvec3& corner) {
   }
 }
 
+std::uint32_t Stars::addVertex() {
+  lists_.emplace_back();
+  list_.push_back(static_cast<std::uint32_t>(lists_.size()));
+  return static_cast<std::uint32_t>(list_.size() - 1);
+}
+
 std::uint32_t Stars::add(const CleanFace& face) {
   const auto number = static_cast<std::uint32_t>(faces_.size());
   faces_.push_back(face);

@@ -14,7 +14,7 @@ namespace sherd {
 /// Faces by their numbers, which stay, and those around each vertex.
 class Stars {
  public:
-  ///   vertices  their number, which stays too
+  ///   vertices  their number
   Stars(std::vector<CleanFace> faces, std::size_t vertices);
 
   [[nodiscard]] std::size_t count() const { return faces_.size(); }
@@ -33,6 +33,9 @@ class Stars {
 
   void remove(std::uint32_t number);
   void setCorners(std::uint32_t number, const glm::uvec3& corner);
+
+  /// Returns the number of a new vertex, without faces.
+  std::uint32_t addVertex();
 
   /// Returns the number of the new face.
   std::uint32_t add(const CleanFace& face);

@@ -17,7 +17,7 @@ namespace {
 // The vertices and faces of all pieces, as one.
 struct Joined {
   CleanMesh mesh;
-  std::vector<std::uint32_t> positionId;  // [vertices] the least of those at the position
+  std::vector<std::uint32_t> positionId;  // [vertices] ascending
   std::vector<bool> hasSheets;            // [pieces] several of its vertices are at one position
 };
 
@@ -38,6 +38,18 @@ std::vector<glm::dvec3> positionsOf(const std::vector<LabeledMesh>& meshes,
   return at;
 }
 
+// Returns the positions that several vertices of a mesh are at, ascending.
+template <class PositionOf>
+std::vector<std::uint32_t> repeated(const LabeledMesh& mesh, const PositionOf& positionOf) {
+  std::vector<std::uint32_t> at, twice;
+  for (std::uint32_t v = 0; v < mesh.positionId.size(); ++v) at.push_back(positionOf(v));
+  std::sort(at.begin(), at.end());
+  for (std::size_t i = 1; i < at.size(); ++i) {
+    if (at[i] == at[i - 1] && (twice.empty() || twice.back() != at[i])) twice.push_back(at[i]);
+  }
+  return twice;
+}
+
 Joined joined(const std::vector<LabeledMesh>& meshes, const TriangleMesh& cut) {
   Joined all;
   std::vector<std::uint32_t> used;
@@ -52,10 +64,11 @@ Joined joined(const std::vector<LabeledMesh>& meshes, const TriangleMesh& cut) {
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const LabeledMesh& own = meshes[i];
     const auto vertex = [&](std::uint32_t v) { return first[numbers.of(own.positionId[v])]; };
-    std::vector<std::uint32_t> merged;
-    for (std::uint32_t v = 0; v < own.positionId.size(); ++v) merged.push_back(vertex(v));
-    const VertexNumbers distinct(std::move(merged), all.mesh.vertices.size());
-    all.hasSheets.push_back(distinct.vertices().size() < own.positionId.size());
+    const std::vector<std::uint32_t> shared = repeated(own, vertex);
+    all.hasSheets.push_back(!shared.empty());
+    for (const std::uint32_t v : shared) {
+      all.mesh.pinches.push_back({static_cast<std::uint16_t>(i + 1), v});
+    }
     for (std::size_t t = 0; t < own.mesh.triangles.size(); ++t) {
       const glm::uvec3& c = own.mesh.triangles[t];
       all.mesh.faces.push_back({{vertex(c.x), vertex(c.y), vertex(c.z)},
@@ -107,6 +120,9 @@ std::vector<LabeledMesh> withoutSlivers(std::vector<LabeledMesh> meshes, const T
   Joined all = joined(meshes, cut);
   const Cleaned clean = cleaned(std::move(all.mesh), cut, options, progress);
   if (clean.changes == 0) return meshes;
+  while (all.positionId.size() < clean.mesh.vertices.size()) {  // new ones
+    all.positionId.push_back(all.positionId.back() + 1);
+  }
   std::vector<std::vector<CleanFace>> faces(meshes.size());
   for (const CleanFace& f : clean.mesh.faces) faces[f.piece - 1u].push_back(f);
   tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "../exact_checks.h"
+#include "../mesh_checks.h"
 #include "../shapes.h"
 #include "base/union_find.h"
 #include "cli/cgal_checks.h"
@@ -26,12 +27,17 @@ namespace {
 // Merging by distance with this share of the box is the first that artists do.
 constexpr double kMergeShare = 1e-5;
 
-std::vector<Fragment> pieces(const TriangleMesh& mesh, double roughness, int resolution = 48,
-                             int count = 8) {
+struct Breaking {
+  int pieces = 8, resolution = 48;
+  std::uint64_t seed = 3;
+};
+
+std::vector<Fragment> pieces(const TriangleMesh& mesh, double roughness,
+                             const Breaking& breaking = {}) {
   FractureOptions options;
-  options.pieces = count;
-  options.seed = resolution == 48 ? 3 : 0;
-  options.solid.resolution = resolution;
+  options.pieces = breaking.pieces;
+  options.seed = breaking.seed;
+  options.solid.resolution = breaking.resolution;
   options.grow.roughness = roughness;
   options.surface = {.levelSets = false, .surface = Surface::exact};
   Device device("builtin");
@@ -129,12 +135,25 @@ TEST_P(CleanPieces, StaySoundInSinglePrecision) {
 TEST(Clean, PiecesFarFromTheOriginAreSoundInSinglePrecision) {
   if (!hasCgalChecks()) GTEST_SKIP() << "this build has no checks by CGAL (SHERD_GPL)";
   for (const TriangleMesh& mesh : {shapes::cube(2.0), shapes::ball(1.0, 4)}) {
-    for (const Fragment& fragment : pieces(moved(mesh), 0.0, 128, 12)) {
+    for (const Fragment& fragment : pieces(moved(mesh), 0.0, {12, 128, 0})) {
       const TriangleMesh single = rounded(fragment.mesh);
       EXPECT_EQ(flatTriangles(single), 0u);
       EXPECT_EQ(checkWithCgal(single, 1, 0).selfIntersections, 0u) << "fragment " << fragment.id;
     }
   }
+}
+
+// With this seed cracks come together so that a piece touches itself along an edge.
+TEST(Clean, NoPieceTouchesItself) {
+  const TriangleMesh cube = shapes::cube(2.0);
+  const std::vector<Fragment> fragments = pieces(cube, 3.0, {8, 48, 0});
+  for (const Fragment& fragment : fragments) {
+    EXPECT_EQ(coincidentVertices(fragment.mesh), 0u) << "fragment " << fragment.id;
+    EXPECT_EQ(nonManifoldEdges(mergedByDistance(fragment.mesh, 2.0 * kMergeShare)), 0u);
+    expectClosedManifold(fragment.mesh);
+  }
+  const ExactFaults faults = exactFaults(cube, fragments);
+  EXPECT_FALSE(faults.any()) << faults.text();
 }
 
 // The outside is cut, not moved: its points are in the planes of the input's triangles.
