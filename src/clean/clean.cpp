@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <tuple>
 #include <utility>
 
 #include "base/cancel_flag.h"
+#include "clean/carrier.h"
 #include "clean/change.h"
+#include "clean/defect.h"
 #include "clean/guard.h"
 #include "clean/part_sheets.h"
 #include "clean/rounded_faults.h"
@@ -22,26 +22,9 @@ namespace {
 
 constexpr int kMostRounds = 12;
 
-// How far a point of a face may move, tolerances.
-constexpr double kReach = 4.0;
-
-// The same, to mend what single precision spoils, of kReach.
-constexpr double kMendingReach = 4.0;
-
-// A short edge, or a vertex near an edge.
-struct Defect {
-  double size = 0.0;                  // length, or height
-  std::uint32_t a = 0, b = 0;         // of the edge, a < b
-  std::uint32_t tip = Change::kNone;  // the vertex
-
-  bool operator<(const Defect& other) const {
-    return std::tie(size, a, b, tip) < std::tie(other.size, other.a, other.b, other.tip);
-  }
-  bool operator==(const Defect&) const = default;
-};
-
-// The triangles of the mesh that a vertex lies on, ascending.
-using Carrier = std::vector<std::uint32_t>;
+// How far a point of a face may move, tolerances: to remove slivers, and to part sheets or to mend
+// what single precision spoils.
+constexpr double kReach = 4.0, kMostReach = 16.0;
 
 std::vector<glm::dvec3> roundedToFloats(const std::vector<glm::dvec3>& exact) {
   std::vector<glm::dvec3> rounded;
@@ -79,18 +62,18 @@ class Cleaning {
     for (int round = 0; round < kMostRounds; ++round) {
       const std::size_t before = changes_;
       const std::vector<std::uint32_t> faces = std::exchange(touched_, {});
-      merge(shortEdges(faces), progress);
+      merge(shortEdges(stars_, faces, positions_.exact, isFixed_, tolerance_), progress);
       std::vector<std::uint32_t> more = faces;
       more.insert(more.end(), touched_.begin(), touched_.end());
-      merge(thinFaces(more), progress);
+      merge(thinFaces(stars_, more, positions_.exact, tolerance_), progress);
       if (changes_ == before) break;
     }
   }
 
   // Gives the sheets of a piece that touches itself vertices of their own, some tolerances apart.
   void partSheets(const Pinch& pinch) {
-    const double least = 4.0 * tolerance_, most = kReach * kMendingReach * tolerance_;
-    for (const double distance : {least, 2.0 * least, most}) {
+    const double least = kReach * tolerance_;
+    for (const double distance : {least, 2.0 * least, 3.0 * least}) {
       for (const SheetParting& parting : partings(stars_, pinch.piece, pinch.vertex)) {
         for (const glm::dvec3& way : waysInto(parting, pinch.vertex)) {
           if (tryParting(parting, pinch, distance, way)) return;
@@ -113,7 +96,7 @@ class Cleaning {
     for (const glm::dvec3& way : {along, inwards, along + inwards}) {
       if (const double length = glm::length(way); length > 0.0) ways.push_back(way / length);
     }
-    const std::vector<glm::dvec3> axes = waysAlong({});
+    const std::vector<glm::dvec3> axes = waysAlong({}, cut_);
     ways.insert(ways.end(), axes.begin(), axes.end());
     return ways;
   }
@@ -134,7 +117,7 @@ class Cleaning {
     }
     const Change change = part(stars_, parting, pinch.vertex, spare_, position, distance);
     if (!partsSheets(stars_, change, pinch.vertex, pinch.piece)) return false;
-    if (!guard().keepsFaces(change, 2.0 * kReach * kMendingReach * tolerance_)) return false;
+    if (!guard().keepsFaces(change, kMostReach * tolerance_)) return false;
     make(change);
     spare_ = Change::kNone;
     return true;
@@ -184,7 +167,7 @@ class Cleaning {
   // Tries what moves points least first.
   void mend(std::uint32_t f) {
     isMending_ = true;
-    const std::array<Defect, 3> edges = edgesOf(f);
+    const std::array<Defect, 3> edges = edgesOf(stars_.face(f).corner, positions_.exact);
     const glm::uvec3 corner = stars_.face(f).corner;
     bool isDone = false;
     const auto collapseBelow = [&](double length) {
@@ -193,74 +176,13 @@ class Cleaning {
       }
     };
     collapseBelow(2.0 * tolerance_);
-    if (const Defect thin = thinnest(corner); !isDone && thin.size < 2.0 * tolerance_) {
+    if (const Defect thin = thinnest(corner, positions_.exact);
+        !isDone && thin.size < 2.0 * tolerance_) {
       isDone = removeThin(thin);
     }
     for (int k = 0; k < 3; ++k) isDone = isDone || nudge(corner[k]);
-    collapseBelow(kReach * kMendingReach * tolerance_);
+    collapseBelow(kMostReach * tolerance_);
     isMending_ = false;
-  }
-
-  // Returns the edges below the tolerance of some faces, the shortest first.
-  std::vector<Defect> shortEdges(const std::vector<std::uint32_t>& faces) const {
-    std::vector<Defect> found;
-    for (const std::uint32_t f : faces) {
-      if (!stars_.isThere(f) || !stars_.face(f).isPrimary()) continue;
-      for (const Defect& edge : edgesOf(f)) {
-        if (edge.size < tolerance_ && !(isFixed_[edge.a] && isFixed_[edge.b])) {
-          found.push_back(edge);
-        }
-      }
-    }
-    return sorted(std::move(found));
-  }
-
-  // Returns the edges of a face, the shortest first.
-  std::array<Defect, 3> edgesOf(std::uint32_t f) const {
-    const glm::uvec3& t = stars_.face(f).corner;
-    std::array<Defect, 3> edges;
-    for (int k = 0; k < 3; ++k) {
-      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
-      edges[static_cast<std::size_t>(k)] = {glm::distance(positions_.exact[a], positions_.exact[b]),
-                                            a, b};
-    }
-    std::sort(edges.begin(), edges.end());
-    return edges;
-  }
-
-  // Returns the faces of which a corner is nearer than the tolerance to the opposite edge, between
-  // its ends.
-  std::vector<Defect> thinFaces(const std::vector<std::uint32_t>& faces) const {
-    std::vector<Defect> found;
-    for (const std::uint32_t f : faces) {
-      if (!stars_.isThere(f) || !stars_.face(f).isPrimary()) continue;
-      if (const Defect defect = thinnest(stars_.face(f).corner); defect.size < tolerance_) {
-        found.push_back(defect);
-      }
-    }
-    return sorted(std::move(found));
-  }
-
-  static std::vector<Defect> sorted(std::vector<Defect> defects) {
-    std::sort(defects.begin(), defects.end());
-    defects.erase(std::unique(defects.begin(), defects.end()), defects.end());
-    return defects;
-  }
-
-  // Returns the longest edge of a triangle, the corner opposite it, and its height.
-  Defect thinnest(const glm::uvec3& t) const {
-    const std::vector<glm::dvec3>& at = positions_.exact;
-    int longest = 0;
-    double length = -1.0;
-    for (int k = 0; k < 3; ++k) {
-      const double own = glm::distance(at[t[k]], at[t[(k + 1) % 3]]);
-      if (own <= length) continue;
-      length = own;
-      longest = k;
-    }
-    const auto [a, b] = std::minmax(t[longest], t[(longest + 1) % 3]);
-    const double twice = glm::length(glm::cross(at[t.y] - at[t.x], at[t.z] - at[t.x]));
-    return {length > 0.0 ? twice / length : 0.0, a, b, t[(longest + 2) % 3]};
   }
 
   void merge(const std::vector<Defect>& defects, const Progress* progress) {
@@ -278,15 +200,14 @@ class Cleaning {
   bool collapseEdge(const Defect& edge) {
     const bool isThere = !stars_.around(edge.a).empty() && !stars_.around(edge.b).empty();
     if (!isThere || stars_.atEdge(edge.a, edge.b).empty()) return false;
-    const Carrier ofA = carrierOf(edge.a), ofB = carrierOf(edge.b);
+    const Carrier ofA = carrierAt(edge.a), ofB = carrierAt(edge.b);
     // A vertex where more pieces meet stays, so that their borders stay where they are.
     const bool aStays =
         isFixed_[edge.a] || stars_.around(edge.a).size() >= stars_.around(edge.b).size();
     for (const bool stays : {aStays, !aStays}) {
       const std::uint32_t at = stays ? edge.a : edge.b, gone = stays ? edge.b : edge.a;
       const Carrier &from = stays ? ofB : ofA, &to = stays ? ofA : ofB;
-      if (isFixed_[gone] || !std::includes(to.begin(), to.end(), from.begin(), from.end()))
-        continue;
+      if (isFixed_[gone] || !liesOn(to, from)) continue;
       if (tryChange(collapse(stars_, gone, at, positions_.exact))) return true;
     }
     return false;
@@ -297,21 +218,11 @@ class Cleaning {
     const bool isThere = std::any_of(edge.begin(), edge.end(),
                                      [&](std::uint32_t f) { return stars_.face(f).has(thin.tip); });
     if (!isThere) return false;
-    Carrier ofEdge;
-    for (const std::uint32_t f : edge) {
-      const CleanFace& face = stars_.face(f);
-      if (face.isOutside()) ofEdge.push_back(face.source);
-    }
-    std::sort(ofEdge.begin(), ofEdge.end());
-    ofEdge.erase(std::unique(ofEdge.begin(), ofEdge.end()), ofEdge.end());
-    const Carrier ofTip = carrierOf(thin.tip);
-    const auto lies = [](const Carrier& in, const Carrier& of) {
-      return std::includes(in.begin(), in.end(), of.begin(), of.end());
-    };
+    const Carrier ofEdge = carrierOf(stars_, edge), ofTip = carrierAt(thin.tip);
     const std::vector<glm::dvec3>& at = positions_.exact;
     glm::dvec3 position = at[thin.tip];
-    if (!lies(ofTip, ofEdge)) {
-      if (isFixed_[thin.tip] || !lies(ofEdge, ofTip)) return false;
+    if (!liesOn(ofTip, ofEdge)) {
+      if (isFixed_[thin.tip] || !liesOn(ofEdge, ofTip)) return false;
       const glm::dvec3 along = at[thin.b] - at[thin.a];
       const double share = glm::dot(position - at[thin.a], along) / glm::dot(along, along);
       position = at[thin.a] + share * along;
@@ -325,7 +236,8 @@ class Cleaning {
     const glm::dvec3 before = std::exchange(positions_.exact[change.at], change.position);
     bool is = false;
     for (const auto* faces : {&change.moved, &change.added}) {
-      for (const Change::Face& f : *faces) is = is || thinnest(f.corner).size <= height;
+      for (const Change::Face& f : *faces)
+        is = is || thinnest(f.corner, positions_.exact).size <= height;
     }
     positions_.exact[change.at] = before;
     return is;
@@ -334,7 +246,7 @@ class Cleaning {
   // Moves a vertex by a few spacings of floats, within what it lies on.
   bool nudge(std::uint32_t vertex) {
     if (isFixed_[vertex]) return false;
-    const std::vector<glm::dvec3> ways = waysAlong(carrierOf(vertex));
+    const std::vector<glm::dvec3> ways = waysAlong(carrierAt(vertex), cut_);
     for (const double step : {1.0, 2.0, 4.0}) {
       for (const glm::dvec3& way : ways) {
         Change change{.at = vertex,
@@ -349,53 +261,10 @@ class Cleaning {
     return false;
   }
 
-  // Returns unit vectors in which a point on some triangles of the mesh may move.
-  std::vector<glm::dvec3> waysAlong(const Carrier& carrier) const {
-    const double oblique = std::sqrt(0.5);
-    if (carrier.empty()) {
-      return {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-    }
-    const auto cornerOf = [&](std::uint32_t t, int k) {
-      return cut_.vertices[cut_.triangles[t][k]];
-    };
-    const std::uint32_t first = carrier.front();
-    if (carrier.size() == 1) {
-      const glm::dvec3 u = glm::normalize(cornerOf(first, 1) - cornerOf(first, 0));
-      const glm::dvec3 normal = glm::cross(u, cornerOf(first, 2) - cornerOf(first, 0));
-      const glm::dvec3 v = glm::normalize(glm::cross(normal, u));
-      return {u,
-              -u,
-              v,
-              -v,
-              oblique * (u + v),
-              -oblique * (u + v),
-              oblique * (u - v),
-              oblique * (v - u)};
-    }
-    std::vector<std::uint32_t> common;
-    for (int k = 0; k < 3 && carrier.size() == 2; ++k) {
-      const std::uint32_t vertex = cut_.triangles[first][k];
-      const glm::uvec3& other = cut_.triangles[carrier.back()];
-      if (other.x == vertex || other.y == vertex || other.z == vertex) common.push_back(vertex);
-    }
-    if (common.size() != 2) return {};
-    const glm::dvec3 along = glm::normalize(cut_.vertices[common[1]] - cut_.vertices[common[0]]);
-    return {along, -along};
-  }
-
-  Carrier carrierOf(std::uint32_t vertex) const {
-    Carrier carrier;
-    for (const std::uint32_t f : stars_.around(vertex)) {
-      if (stars_.face(f).isOutside()) carrier.push_back(stars_.face(f).source);
-    }
-    std::sort(carrier.begin(), carrier.end());
-    carrier.erase(std::unique(carrier.begin(), carrier.end()), carrier.end());
-    return carrier;
-  }
+  Carrier carrierAt(std::uint32_t vertex) const { return carrierOf(stars_, stars_.around(vertex)); }
 
   bool tryChange(const Change& change) {
-    const double reach = kReach * tolerance_;
-    if (!guard().allows(change, isMending_ ? kMendingReach * reach : reach)) return false;
+    if (!guard().allows(change, (isMending_ ? kMostReach : kReach) * tolerance_)) return false;
     if (isMending_ && !guard().mends(change)) return false;
     make(change);
     return true;
@@ -403,8 +272,7 @@ class Cleaning {
 
   Guard& guard() {
     if (!guard_) {
-      const double most = 2.0 * kReach * kMendingReach * tolerance_;
-      guard_ = std::make_unique<Guard>(stars_, positions_, cut_, most);
+      guard_ = std::make_unique<Guard>(stars_, positions_, cut_, kMostReach * tolerance_);
     }
     return *guard_;
   }

@@ -2,38 +2,34 @@
 #include "clean/part_sheets.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <map>
+#include <optional>
 #include <utility>
+
+#include "clean/star_fans.h"
 
 namespace sherd {
 namespace {
 
-// A face at a vertex: the two others of its corners, in order.
-struct Spoke {
+// A face of a piece at a vertex.
+struct OwnSpoke {
   std::uint32_t face = 0;
   std::uint32_t from = 0, to = 0;
 };
 
-Spoke spokeOf(std::uint32_t face, const glm::uvec3& corner, std::uint32_t at) {
-  if (corner.x == at) return {face, corner.y, corner.z};
-  if (corner.y == at) return {face, corner.z, corner.x};
-  return {face, corner.x, corner.y};
-}
-
-std::vector<Spoke> spokesOf(const Stars& stars, std::uint16_t piece, std::uint32_t vertex) {
-  std::vector<Spoke> spokes;
+std::vector<OwnSpoke> spokesOf(const Stars& stars, std::uint16_t piece, std::uint32_t vertex) {
+  std::vector<OwnSpoke> spokes;
   for (const std::uint32_t f : stars.around(vertex)) {
-    const CleanFace& face = stars.face(f);
-    if (face.piece == piece) spokes.push_back(spokeOf(f, face.corner, vertex));
+    if (stars.face(f).piece != piece) continue;
+    const Spoke spoke = spokeOf(stars.face(f).corner, piece, vertex);
+    spokes.push_back({f, spoke.from, spoke.to});
   }
   return spokes;
 }
 
 // Returns the spoke that follows one around the inside.  An edge of four faces has the inside
 // between two that have different pieces beyond them.
-std::optional<std::size_t> nextOf(const Stars& stars, const std::vector<Spoke>& spokes,
+std::optional<std::size_t> nextOf(const Stars& stars, const std::vector<OwnSpoke>& spokes,
                                   std::size_t at) {
   std::vector<std::size_t> next;
   for (std::size_t i = 0; i < spokes.size(); ++i) {
@@ -67,45 +63,10 @@ glm::uvec3 replaced(glm::uvec3 corner, std::uint32_t from, std::uint32_t to) {
   return corner;
 }
 
-// The corners around a vertex of a piece's faces: from each the next.  Counts the rings of them.
-class Rings {
- public:
-  void add(const glm::uvec3& corner, std::uint32_t at) {
-    const Spoke spoke = spokeOf(0, corner, at);
-    isSimple_ = next_.emplace(spoke.from, spoke.to).second && isSimple_;
-  }
-
-  // Returns their number, or none if an edge is used twice in one direction, or is open.
-  [[nodiscard]] std::optional<std::size_t> count() const {
-    if (!isSimple_) return {};
-    std::map<std::uint32_t, std::uint32_t> left = next_;
-    std::size_t rings = 0;
-    while (!left.empty()) {
-      const std::uint32_t first = left.begin()->first;
-      std::uint32_t at = first;
-      std::size_t length = 0;
-      do {
-        const auto found = left.find(at);
-        if (found == left.end()) return {};
-        at = found->second;
-        left.erase(found);
-        ++length;
-      } while (at != first);
-      if (length < 3) return {};
-      ++rings;
-    }
-    return rings;
-  }
-
- private:
-  std::map<std::uint32_t, std::uint32_t> next_;
-  bool isSimple_ = true;
-};
-
 }  // namespace
 
 std::vector<SheetParting> partings(const Stars& stars, std::uint16_t piece, std::uint32_t vertex) {
-  const std::vector<Spoke> spokes = spokesOf(stars, piece, vertex);
+  const std::vector<OwnSpoke> spokes = spokesOf(stars, piece, vertex);
   std::vector<bool> isSeen(spokes.size(), false);
   std::vector<SheetParting> found;
   for (std::size_t i = 0; i < spokes.size(); ++i) {
@@ -145,7 +106,7 @@ Change part(const Stars& stars, const SheetParting& parting, std::uint32_t verte
     const std::uint16_t before = own.other, after = stars.face(nextFace).other;
     if (before == after) continue;
     // What is beyond the faces before the edge meets what is beyond those behind it.
-    const std::uint32_t end = spokeOf(0, own.corner, vertex).to;
+    const std::uint32_t end = spokeOf(own.corner, own.piece, vertex).to;
     change.patches.push_back({{{vertex, end, fresh}, before, after}, nextFace});
     change.patches.push_back({{{vertex, fresh, end}, after, before}, nextFace});
   }
@@ -154,29 +115,32 @@ Change part(const Stars& stars, const SheetParting& parting, std::uint32_t verte
 
 bool partsSheets(const Stars& stars, const Change& change, std::uint32_t vertex,
                  std::uint16_t piece) {
-  std::map<std::uint16_t, std::array<Rings, 3>> rings;  // at the vertex before and after; the new
+  Spokes before, after, fresh;  // those that stay, and those of the new vertex
   std::vector<std::uint32_t> moved;
   for (const Change::Face& f : change.moved) {
     moved.push_back(f.number);
-    rings[stars.face(f.number).piece][2].add(f.corner, change.at);
+    fresh.push_back(spokeOf(f.corner, stars.face(f.number).piece, change.at));
   }
   for (const std::uint32_t f : stars.around(vertex)) {
-    const CleanFace& face = stars.face(f);
-    rings[face.piece][0].add(face.corner, vertex);
+    before.push_back(spokeOf(stars.face(f).corner, stars.face(f).piece, vertex));
     const bool stays = std::find(moved.begin(), moved.end(), f) == moved.end();
-    if (stays) rings[face.piece][1].add(face.corner, vertex);
+    if (stays) after.push_back(before.back());
   }
   for (const Change::Patch& patch : change.patches) {
-    rings[patch.face.piece][1].add(patch.face.corner, vertex);
-    rings[patch.face.piece][2].add(patch.face.corner, change.at);
+    after.push_back(spokeOf(patch.face.corner, patch.face.piece, vertex));
+    fresh.push_back(spokeOf(patch.face.corner, patch.face.piece, change.at));
   }
-  for (const auto& [own, at] : rings) {
-    const auto before = at[0].count(), after = at[1].count(), fresh = at[2].count();
-    if (!fresh || *fresh > 1) return false;
-    if (!after && (own != piece || before)) return false;
-    if (before && after && *after > *before) return false;
-  }
-  return true;
+  before = sorted(std::move(before));
+  after = sorted(std::move(after));
+  fresh = sorted(std::move(fresh));
+  // The piece may touch itself at more of the vertex's edges.
+  return std::all_of(before.begin(), before.end(), [&](const Spoke& spoke) {
+    const std::uint16_t own = spoke.piece;
+    const int was = fansOf(before, own), stays = fansOf(after, own), added = fansOf(fresh, own);
+    if (added == kNoFans || added > 1) return false;
+    if (stays == kNoFans) return own == piece && was == kNoFans;
+    return was == kNoFans || stays <= was;
+  });
 }
 
 }  // namespace sherd

@@ -8,29 +8,6 @@
 namespace sherd {
 namespace {
 
-constexpr int kNone = -1;  // fans of a star that is not made of whole ones
-
-// A face at a vertex: the two others of its corners, in order.
-struct Spoke {
-  std::uint16_t piece = 0;
-  std::uint32_t from = 0, to = 0;
-};
-
-Spoke spokeOf(const glm::uvec3& corner, std::uint16_t piece, std::uint32_t at) {
-  if (corner.x == at) return {piece, corner.y, corner.z};
-  if (corner.y == at) return {piece, corner.z, corner.x};
-  return {piece, corner.x, corner.y};
-}
-
-using Spokes = std::vector<Spoke>;  // by piece, then by `from`
-
-Spokes sorted(Spokes spokes) {
-  std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
-    return a.piece != b.piece ? a.piece < b.piece : a.from < b.from;
-  });
-  return spokes;
-}
-
 Spokes spokesAt(const Stars& stars, std::uint32_t vertex) {
   Spokes spokes;
   for (const std::uint32_t f : stars.around(vertex)) {
@@ -64,29 +41,42 @@ std::span<const Spoke> ofPiece(const Spokes& spokes, std::uint16_t piece) {
   return {begin, end};
 }
 
-// Counts the fans of one piece.  A fan is closed, and has three faces or more.
-int fansOf(std::span<const Spoke> spokes) {
+}  // namespace
+
+Spoke spokeOf(const glm::uvec3& corner, std::uint16_t piece, std::uint32_t at) {
+  if (corner.x == at) return {piece, corner.y, corner.z};
+  if (corner.y == at) return {piece, corner.z, corner.x};
+  return {piece, corner.x, corner.y};
+}
+
+Spokes sorted(Spokes spokes) {
+  std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
+    return a.piece != b.piece ? a.piece < b.piece : a.from < b.from;
+  });
+  return spokes;
+}
+
+int fansOf(const Spokes& all, std::uint16_t piece) {
+  const std::span<const Spoke> spokes = ofPiece(all, piece);
   const auto isOf = [](const Spoke& s, std::uint32_t from) { return s.from < from; };
   std::vector<bool> isSeen(spokes.size(), false);
   int fans = 0;
   for (std::size_t i = 0; i < spokes.size(); ++i) {
-    if (i > 0 && spokes[i].from == spokes[i - 1].from) return kNone;
+    if (i > 0 && spokes[i].from == spokes[i - 1].from) return kNoFans;
     if (isSeen[i]) continue;
     std::size_t at = i, length = 0;
     while (!isSeen[at]) {
       isSeen[at] = true;
       ++length;
       const auto next = std::lower_bound(spokes.begin(), spokes.end(), spokes[at].to, isOf);
-      if (next == spokes.end() || next->from != spokes[at].to) return kNone;
+      if (next == spokes.end() || next->from != spokes[at].to) return kNoFans;
       at = static_cast<std::size_t>(next - spokes.begin());
     }
-    if (at != i || length < 3) return kNone;
+    if (at != i || length < 3) return kNoFans;
     ++fans;
   }
   return fans;
 }
-
-}  // namespace
 
 bool keepsFans(const Stars& stars, const Change& change) {
   const Spokes ofAt = spokesAt(stars, change.at), after = spokesAfter(stars, change);
@@ -99,9 +89,9 @@ bool keepsFans(const Stars& stars, const Change& change) {
   std::sort(pieces.begin(), pieces.end());
   pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
   for (const std::uint16_t piece : pieces) {
-    const int atBefore = fansOf(ofPiece(ofAt, piece)), goneBefore = fansOf(ofPiece(ofGone, piece));
-    const int fans = fansOf(ofPiece(after, piece));
-    if (atBefore == kNone || goneBefore == kNone || fans == kNone) return false;
+    const int atBefore = fansOf(ofAt, piece), goneBefore = fansOf(ofGone, piece);
+    const int fans = fansOf(after, piece);
+    if (atBefore == kNoFans || goneBefore == kNoFans || fans == kNoFans) return false;
     const int both = atBefore > 0 && goneBefore > 0 ? 1 : 0;
     if (fans != std::max(1, atBefore + goneBefore - both)) return false;
   }

@@ -131,15 +131,13 @@ TEST_P(CleanPieces, StaySoundInSinglePrecision) {
   }
 }
 
-// Without the changes for single precision 3 pairs of the cube's triangles cross.
+// Without the changes for single precision 3 pairs of triangles cross.
 TEST(Clean, PiecesFarFromTheOriginAreSoundInSinglePrecision) {
   if (!hasCgalChecks()) GTEST_SKIP() << "this build has no checks by CGAL (SHERD_GPL)";
-  for (const TriangleMesh& mesh : {shapes::cube(2.0), shapes::ball(1.0, 4)}) {
-    for (const Fragment& fragment : pieces(moved(mesh), 0.0, {12, 128, 0})) {
-      const TriangleMesh single = rounded(fragment.mesh);
-      EXPECT_EQ(flatTriangles(single), 0u);
-      EXPECT_EQ(checkWithCgal(single, 1, 0).selfIntersections, 0u) << "fragment " << fragment.id;
-    }
+  for (const Fragment& fragment : pieces(moved(shapes::cube(2.0)), 0.0, {12, 128, 0})) {
+    const TriangleMesh single = rounded(fragment.mesh);
+    EXPECT_EQ(flatTriangles(single), 0u);
+    EXPECT_EQ(checkWithCgal(single, 1, 0).selfIntersections, 0u) << "fragment " << fragment.id;
   }
 }
 
