@@ -83,8 +83,8 @@ bool areUnfolded(const Wedge& s, const Wedge& t, double moved) {
 
 class Faults {
  public:
-  Faults(const Stars& stars, const CleanPositions& positions)
-      : stars_(stars), positions_(positions), moved_(2.0 * positions.spacing) {}
+  Faults(const Stars& stars, const CleanPositions& positions, const std::vector<bool>& isFixed)
+      : stars_(stars), positions_(positions), isFixed_(isFixed), moved_(2.0 * positions.spacing) {}
 
   // Adds the faults around a vertex.
   void addAt(std::uint32_t vertex, std::vector<std::uint32_t>& found) const {
@@ -97,10 +97,13 @@ class Faults {
     for (std::size_t i = 0; i < wedges.size(); ++i) {
       const Wedge& own = wedges[i];
       const glm::uvec3& c = own.corner;
-      if (own.height < 4.0 * moved_ && areCollinear({at[c.x], at[c.y], at[c.z]})) {
+      const bool isOwn = isFixed_[c.x] && isFixed_[c.y] && isFixed_[c.z];
+      if (own.height < 4.0 * moved_ && !isOwn && areCollinear({at[c.x], at[c.y], at[c.z]})) {
         found.push_back(own.face);
       }
       for (std::size_t k = 0; k < i; ++k) {
+        const glm::uvec3& d = wedges[k].corner;
+        if (isOwn && isFixed_[d.x] && isFixed_[d.y] && isFixed_[d.z]) continue;
         if (isApart(own, wedges[k]) || !trianglesCross(at, c, wedges[k].corner)) continue;
         found.insert(found.end(), {own.face, wedges[k].face});
       }
@@ -116,15 +119,17 @@ class Faults {
 
   const Stars& stars_;
   const CleanPositions& positions_;
+  const std::vector<bool>& isFixed_;
   const double moved_;  // exceeds what two points move apart
 };
 
 }  // namespace
 
 std::vector<std::uint32_t> roundedFaults(const Stars& stars, const CleanPositions& positions,
+                                         const std::vector<bool>& isFixed,
                                          std::span<const std::uint32_t> vertices,
                                          const Progress* progress) {
-  const Faults faults(stars, positions);
+  const Faults faults(stars, positions, isFixed);
   const std::size_t blocks = (vertices.size() + kBlock - 1) / kBlock;
   std::vector<std::vector<std::uint32_t>> found(blocks);
   CancelFlag stop(progress);

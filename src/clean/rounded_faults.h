@@ -22,11 +22,12 @@ struct CleanPositions {
 /// Returns which of a few faces have no area or cross a face with a common vertex once they are
 /// rounded, decided exactly.  Nearly all pairs are apart by far more than rounding moves them,
 /// which costs a few products.
-///   vertices  whose faces are tested
-///   return    faces that are CleanFace::isPrimary, ascending
+///   isFixed   [vertices] pairs of faces that have only such corners are the mesh's own, and left
+///   out vertices  whose faces are tested return    faces that are CleanFace::isPrimary, ascending
 ///   throws    Error(cancelled)
 [[nodiscard]] std::vector<std::uint32_t> roundedFaults(const Stars& stars,
                                                        const CleanPositions& positions,
+                                                       const std::vector<bool>& isFixed,
                                                        std::span<const std::uint32_t> vertices,
                                                        const Progress* progress = nullptr);
 
