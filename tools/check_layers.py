@@ -17,7 +17,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DRAWING = ROOT / "docs" / "images" / "rooms.svg"
 
-ROOMS = ["base", "cl", "mesh", "exact", "voxelize", "seed", "grow", "erode", "surface", "points", "appearance", "pipeline", "evaluate",
+ROOMS = ["base", "cl", "mesh", "exact", "clean", "voxelize", "seed", "grow", "erode", "surface", "points", "appearance", "pipeline", "evaluate",
          "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "formats/images", "options", "viewer", "folder", "dataset",
          "assimp_program", "cli",
          "cgal"]  # implements an interface of cli/: docs/decisions/0005-licenses.md

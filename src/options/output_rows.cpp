@@ -254,10 +254,8 @@ const Row kFileRows[]{
      .details = "number type of the vertices in meshes as `.ply`, `.obj` and text STL, also of the "
                 "intact solid (`--write solid`), in proxies and in `boundaries.obj`; `auto` is "
                 "`double` with `--surface exact`, whose uncut vertices are the input's bit for bit "
-                "then and "
-                "whose slivers would cross each other in `single`, and where `single` would move "
-                "vertices by "
-                "more than a hundredth of a voxel, far from the origin. Other formats have single "
+                "then, and where `single` would move vertices by more than a hundredth of a voxel, "
+                "far from the origin. Other formats have single "
                 "precision "
                 "only, and a warning says so where that matters",
      .key = "mesh_precision",

@@ -13,13 +13,14 @@
 #include "mesh/triangle_area.h"
 #include "mesh/triangle_tree.h"
 #include "surface/bodies.h"
+#include "surface/clean_meshes.h"
 #include "surface/close_mesh.h"
 #include "surface/closed_solid.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
-#include "surface/part_sheets.h"
+#include "surface/part_edges.h"
 #include "surface/simplified_cracks.h"
 #include "voxelize/leaf_blocks.h"
 #include "voxelize/region.h"
@@ -170,6 +171,9 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
         progress);
     surface = exactSurface(mesh, simple, fragments, space, progress);
     if (!surface.isDegenerate) break;
+  }
+  if (surface.failure.empty()) {
+    surface.meshes = withoutSlivers(std::move(surface.meshes), mesh, cleanOptions(solid), progress);
   }
   return surface;
 }

@@ -4,6 +4,7 @@
 Environment: SHERD_BIN the program.  Needs Debian's python3-numpy.
 """
 import collections
+import fractions
 import json
 import math
 import os
@@ -107,19 +108,41 @@ class Exact(CommandLine):
             self.assertLessEqual({t for t in seen if t in whole}, whole)
             self.assertGreater(len(seen & whole), 10, "some triangles are whole")
 
-    def test_default_files_are_double_and_others_are_warned_of(self):
-        """The rim of a tube is thin and rounded to floats the slivers beside its full cracks cross each other."""
+    def tube(self, offset):
+        """A mesh whose rim is thin, so that cracks meet it at acute angles, in numbers that floats have near the origin."""
         profile = [(0.6, 0), (0.8, 0.9), (0.9, 1.5), (0.84, 1.5), (0.74, 0.9), (0.55, 0.08)]
         v = np.array([(r * math.cos(2 * math.pi * k / 40), r * math.sin(2 * math.pi * k / 40), z) for r, z in profile for k in range(40)])
         f = [t for i in range(6) for k in range(40) for a, b, c, d in [(40 * i + k, 40 * i + (k + 1) % 40, 40 * ((i + 1) % 6) + (k + 1) % 40, 40 * ((i + 1) % 6) + k)]
              for t in ((a, b, c), (a, c, d))]
         mesh = self.path("tube.obj")
-        write_obj(mesh, (v.astype(np.float32).tolist(), f))
+        write_obj(mesh, ((v.astype(np.float32).astype(float) + offset).tolist(), f))
+        return mesh
+
+    def crossings(self):
+        return sum(fragment["rounded_crossings"] for fragment in self.manifest()["fragments"])
+
+    def test_files_of_single_precision_are_sound(self):
+        mesh = self.tube(0)
+        for more in ((), ("--mesh-format", "ply,glb"), ("--precision", "single")):
+            run = self.done("--surface", "exact", "--write", "mesh", *more, mesh=mesh, pieces=20)
+            self.assertNotIn("triangles", "".join(line for line in run.stderr.splitlines() if "warning" in line))
+            self.assertEqual(self.crossings(), 0)
+            self.assertEqual(self.manifest()["options"]["mesh_precision"], "single" if "single" in more else "double")
+        for _, v, f, *_ in self.pieces():
+            self.assertTrue((v == v.astype(np.float32)).all())
+            a, b, c = ([[fractions.Fraction(float(x)) for x in v[t[k]]] for t in f] for k in range(3))
+            for p, q, r in zip(a, b, c):
+                u, w = [x - y for x, y in zip(q, p)], [x - y for x, y in zip(r, p)]
+                self.assertTrue(any(u[i] * w[(i + 1) % 3] != u[(i + 1) % 3] * w[i] for i in range(3)), "it has an area")
+
+    def test_default_files_are_double_and_others_are_warned_of(self):
+        """Where floats lose more than a hundredth of a voxel, slivers rounded to them cross each other."""
+        mesh = self.tube((90000, -70000, 50000))
         options = ("--surface", "exact", "--adaptivity", "0", "--write", "mesh")
         run = self.done(*options, mesh=mesh, pieces=20)
         self.assertNotIn("pairs of triangles", run.stderr)
         self.assertEqual(self.manifest()["options"]["mesh_precision"], "double")
-        crossings = sum(fragment["rounded_crossings"] for fragment in self.manifest()["fragments"])
+        crossings = self.crossings()
         self.assertGreater(crossings, 0)
         self.assertTrue(all(v.dtype == np.float64 and (v != v.astype(np.float32)).any() for _, v, *_ in self.pieces()))
         for more in (("--mesh-format", "ply,glb"), ("--precision", "single")):

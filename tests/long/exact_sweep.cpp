@@ -24,7 +24,7 @@
 #include "mesh/repair.h"
 #include "shapes.h"
 #include "surface/bodies.h"
-#include "surface/part_sheets.h"
+#include "surface/part_edges.h"
 
 namespace {
 

@@ -28,7 +28,7 @@
 #include "shapes.h"
 #include "surface/bodies.h"
 #include "surface/exact_surface.h"
-#include "surface/part_sheets.h"
+#include "surface/part_edges.h"
 
 namespace sherd {
 namespace {

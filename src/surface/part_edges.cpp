@@ -1,5 +1,5 @@
 // Fragments that touch themselves along edges, parted there.
-#include "surface/part_sheets.h"
+#include "surface/part_edges.h"
 
 #include <algorithm>
 #include <array>
