@@ -60,7 +60,12 @@ struct FractureOptions {
   SurfaceOptions surface{};
 };
 
-/// As surfaceOf(options.surface), and Surface::smooth if the whole surface is eroded.
+/// Up to how many pieces Surface::automatic is Surface::exact: beyond that these are a few voxels
+/// wide, and cutting them takes many times as long.
+inline constexpr int kMostExactPieces = 1000;
+
+/// As surfaceOf(options.surface), and Surface::smooth if the whole surface is eroded, or there are
+/// more than kMostExactPieces.
 [[nodiscard]] Surface surfaceOf(const FractureOptions& options);
 
 /// Returns the options of the paper's section 4.1: 128 voxels, uniform seeds, two extra seeds per

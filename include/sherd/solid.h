@@ -101,9 +101,9 @@ struct LeafBlocks {
   std::vector<std::uint64_t> exteriorBand{};  ///< [n*8] active voxels with distance >= 0
   std::vector<std::uint32_t> neighbors{};     ///< [n*6] leaf at -x +x -y +y -z +z, or kNone
 
-  /// Inside voxels of bodies that come nearer than a voxel to others: [layers - 1][n*8], those of
-  /// layer 1 and on; all other inside voxels are of layer 0.  Voxels of different layers are not
-  /// connected, even side by side.
+  /// Inside voxels of bodies that come within three voxels or so of others: [layers - 1][n*8],
+  /// those of layer 1 and on; all other inside voxels are of layer 0.  Voxels of different layers
+  /// are not connected, even side by side.
   std::vector<std::vector<std::uint64_t>> layers{};
 
   std::size_t count() const { return origins.size(); }

@@ -35,7 +35,8 @@ class Drawn:
             if keyword not in ACCEPTED:
                 raise UsageError(_options.unknown(keyword, ACCEPTED, "FractureDataset"))
             if value is not None:
-                self._add(ACCEPTED[keyword], "smooth" if (keyword, value) == ("surface", "auto") else value)
+                is_automatic = keyword == "surface" and isinstance(value, str) and value == "auto"
+                self._add(ACCEPTED[keyword], "smooth" if is_automatic else value)
         self._check()
 
     def _add(self, row: Row, value: Any) -> None:

@@ -3,6 +3,7 @@
 
 Environment: as blender_test.py.
 """
+import math
 import unittest
 
 import numpy as np
@@ -136,6 +137,88 @@ answer(files=os.path.exists(sys.argv[-1]), light="Light" in bpy.context.scene.ob
        pieces=len([o for o in bpy.data.objects if "sherd_fragment" in o]))
 ''', self.tmp / "kept")
         self.assertEqual(reported, {"files": False, "light": True, "pieces": 4})
+
+    def check_sound(self, pieces):
+        for piece in pieces:
+            self.assertTrue(piece["closed"], piece["name"])
+            self.assertEqual(piece["loose"], 1, piece["name"])
+
+    SOUND = '''
+import bmesh
+def sound(piece):
+    """Measures, and the number of its parts once vertices within 1e-5 are merged."""
+    b = bmesh.new()
+    b.from_mesh(piece.data)
+    bmesh.ops.remove_doubles(b, verts=b.verts, dist=1e-5)
+    flawed = [e for e in b.edges if len(e.link_faces) != 2]
+    left, parts = set(b.verts), 0
+    while left:
+        parts, reached = parts + 1, [left.pop()]
+        for v in reached:
+            for e in v.link_edges:
+                other = e.other_vert(v)
+                if other in left:
+                    left.remove(other)
+                    reached.append(other)
+    report = {**measures(piece), "loose": parts + len(flawed), "triangles": len(piece.data.loop_triangles), "merged": [len(flawed), parts]}
+    b.free()
+    return report
+'''
+
+    def test_nine_cubes_that_touch(self):
+        """One object of them: cracks go through all, and no piece falls apart where cubes were stacked."""
+        reported = self.run_addon(self.SOUND + '''
+cubes = []
+for x in range(3):
+    for z in range(3):
+        bpy.ops.mesh.primitive_cube_add(size=1, location=(x, 0, z))
+        cubes.append(bpy.context.active_object)
+bpy.ops.object.select_all(action="DESELECT")
+for thing in cubes:
+    thing.select_set(True)
+bpy.ops.object.join()
+answer(pieces=[sound(p) for p in run(pieces=12, resolution=48, material="STONE", rigid_body=False)])
+''')
+        self.assertEqual(len(reported["pieces"]), 12)
+        self.check_sound(reported["pieces"])
+        self.assertAlmostEqual(sum(p["volume"] for p in reported["pieces"]), 9, delta=1e-4)
+
+    def test_an_open_truck(self):
+        """Parts that overlap, some of them open, as games have them: a body, a cab without its back, and tubes for wheels."""
+        reported = self.run_addon(self.SOUND + '''
+def box(low, high, isOpen):
+    b = bmesh.new()
+    bmesh.ops.create_cube(b, size=1)
+    for v in b.verts:
+        v.co = [low[k] if v.co[k] < 0 else high[k] for k in range(3)]
+    b.normal_update()
+    if isOpen:
+        bmesh.ops.delete(b, geom=[f for f in b.faces if f.normal.x < -0.5], context="FACES_ONLY")
+    mesh = bpy.data.meshes.new("box")
+    b.to_mesh(mesh)
+    b.free()
+    thing = bpy.data.objects.new("box", mesh)
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+parts = [box((0, 0, 0.5), (4, 2, 2.5), False), box((3.5, 0.1, 0.5), (5.5, 1.9, 1.75), True)]
+for x in (1, 4.5):
+    for y in (0, 2):
+        bpy.ops.mesh.primitive_cylinder_add(vertices=24, radius=0.5, depth=0.4, end_fill_type="NOTHING", location=(x, y, 0.5), rotation=(1.5707963, 0, 0))
+        parts.append(bpy.context.active_object)
+bpy.ops.object.select_all(action="DESELECT")
+for thing in parts:
+    thing.select_set(True)
+bpy.context.view_layer.objects.active = parts[0]
+bpy.ops.object.join()
+answer(pieces=[sound(p) for p in run(pieces=8, resolution=96, rigid_body=False)])
+''')
+        self.assertEqual(len(reported["pieces"]), 8)
+        self.check_sound(reported["pieces"])
+        box = 4 * 2 * 2 + 2 * 1.8 * 1.25 - 0.5 * 1.8 * 1.25
+        wheel = 24 / 2 * math.sin(2 * math.pi / 24) * 0.25 * 0.4  # half of its width lies within the body, above its floor
+        self.assertGreater(sum(p["volume"] for p in reported["pieces"]), box)
+        self.assertLess(sum(p["volume"] for p in reported["pieces"]), box + 4 * wheel)
+        self.assertLess(sum(p["triangles"] for p in reported["pieces"]), 3000)
 
 
 if __name__ == "__main__":

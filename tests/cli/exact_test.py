@@ -335,6 +335,7 @@ class Exact(CommandLine):
         for options in (("--write", "labels"), ("--interface", "independent"), ("--preset", "training"), ("--smooth-iterations", "2"),
                         ("--erode-iterations", "1", "--erode-on", "all")):
             self.assertEqual(self.surfaces(*options), "smooth")
+        self.assertEqual(self.surfaces("--write", "mesh", mesh=self.ball, pieces=1001), "smooth")
         self.assertEqual(self.surfaces("--preset", "paper"), "labels")
         # A volume has no triangles, and fragments are broken again as they are.
         self.assertEqual(self.surfaces(out=self.path("volume")), "exact")
@@ -437,11 +438,15 @@ class Exact(CommandLine):
         library.mkdir()
         write_obj(library / "ball.obj", sphere())
         write_obj(library / "sheet.obj", (sphere()[0], sphere()[1][:len(sphere()[1]) // 4]))
+        # Three squares at an edge: a shell of them crosses itself.
+        turns = [2 * math.pi * k / 3 for k in range(3)]
+        corners = [(0, 0, 0), (0, 0, 1)] + [(math.cos(a), math.sin(a), z) for a in turns for z in (0, 1)]
+        write_obj(library / "fins.obj", (corners, [t for k in (2, 4, 6) for t in ((0, k, k + 1), (0, k + 1, 1))]))
         result = self.run_sherd("dataset", str(library), "-o", self.out, "--pieces", "2..3", "--repeats", "2", "--resolution", "32",
                                 "--surface", "exact", "--write", "mesh")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr.count("instead of the exact one"), 1, "once for each object")
-        for name, surface in (("ball", "exact"), ("sheet", "smooth")):
+        for name, surface in (("ball", "exact"), ("sheet", "exact"), ("fins", "smooth")):
             manifests = list(pathlib.Path(self.out).glob(f"objects/{name}/*/manifest.json"))
             self.assertEqual(len(manifests), 4)
             for path in manifests:

@@ -355,17 +355,17 @@ def test_what_is_not_read_is_not_made(amphora):
 
 def flat():
     """A fracture of a solid whose planes are merged in meshes."""
-    return pysherd.fracture(cube(), pieces=4, resolution=24, seed=1)
+    return pysherd.fracture(cube(), pieces=4, resolution=24, seed=1, surface="smooth")
 
 
 def test_points_of_merged_planes_make_no_meshes():
     f, meshed = flat(), flat()
-    assert len(meshed[0].faces) < len(pysherd.fracture(cube(), pieces=4, resolution=24, seed=1, adaptivity=0)[0].faces) / 2  # they are merged
+    assert len(meshed[0].faces) < len(pysherd.fracture(cube(), pieces=4, resolution=24, seed=1, adaptivity=0, surface="smooth")[0].faces) / 2  # they are merged
     for options in ({}, {"share_points": True}, {"share_points": True, "point_sampler": "halton"}):
         points, same = f.points(300, **options), meshed.points(300, **options)
         assert all(map(np.array_equal, points, same))
     assert getattr(f, "_kept", {}) == {}
-    plain = pysherd.fracture(cube(), pieces=4, resolution=24, seed=1, adaptivity=0)
+    plain = pysherd.fracture(cube(), pieces=4, resolution=24, seed=1, adaptivity=0, surface="smooth")
     assert all(map(np.array_equal, f.points(300, share_points=True), plain.points(300, share_points=True)))  # those of the surfaces before merging
     assert np.array_equal(f._sampled.contacts()[0], f.contacts.fragments)
 
@@ -376,7 +376,7 @@ def test_points_shared_on_merged_planes_are_those_of_the_program(tmp_path, write
     vertices, faces = cube()
     lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
     (tmp_path / "cube.obj").write_text("\n".join(lines) + "\n")
-    program(tmp_path / "cube.obj", tmp_path / "p", "--pieces=4", "--resolution=24", "--seed=1", "--points=997", "--share-points", "--point-format=npz",
+    program(tmp_path / "cube.obj", tmp_path / "p", "--pieces=4", "--resolution=24", "--seed=1", "--surface=smooth", "--points=997", "--share-points", "--point-format=npz",
             f"--write={write}")  # fmt: skip
     points = flat().points(997, share_points=True)
     for i, file in enumerate(sorted((tmp_path / "p" / "points").glob("*.npz")), 1):

@@ -112,7 +112,7 @@ def test_options(options, name):
     (lambda f: f.points(-1), "points"), (lambda f: f.points("x"), "points"), (lambda f: f.points(10, pieces=3), "pieces"),
     (lambda f: f.render("x.jpg"), "file"), (lambda f: f.render(up="w"), "up"), (lambda f: f.save(3), "folder"), (lambda f: f.save(""), "folder"),
     (lambda f: f.save("x", pieces=3), "pieces"), (lambda f: f.render(3), "file"), (lambda f: pysherd.fracture(f.solid, resolution=20), "resolution"),
-    (lambda f: pysherd.voxelize((V, F), pieces=3), "pieces"), (lambda f: pysherd.fracture(f.solid, surface="exact"), "surface"),
+    (lambda f: pysherd.voxelize((V, F), pieces=3), "pieces"), (lambda f: pysherd.fracture(pysherd.voxelize((V, F), resolution=16, surface="smooth"), surface="exact"), "surface"),
     (lambda f: list(f.solid.fractures(pieces="2..3")), "pieces"), (lambda f: list(f.solid.fractures(seeds=[0.5])), "seeds"),
     (lambda f: list(f.solid.fractures(pieces=[0])), "pieces"), (lambda f: list(f.solid.fractures(seed=3)), "seed"),
     (lambda f: pysherd.limit_threads(-1), "most"),

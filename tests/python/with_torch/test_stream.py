@@ -136,7 +136,7 @@ def test_a_state_that_workers_have_is_warned_of():
 def test_solids_are_broken_as_they_are():
     solid = pysherd.voxelize(cube(), resolution=20)
     items = list(FractureDataset([solid], points=64, pieces=3, items=2))
-    f = pysherd.fracture(solid, pieces=3, seed=items[0]["seed"])
+    f = pysherd.fracture(solid, pieces=3, seed=items[0]["seed"], surface="smooth")
     assert np.allclose(items[0]["positions"] * items[0]["size"] + items[0]["center"], f.points(64, share_points=True).positions, atol=1e-6)
     with pytest.raises(pysherd.UsageError, match="resolution"):
         FractureDataset([solid], resolution=20)
@@ -156,7 +156,8 @@ def test_solids_take_a_preset_and_a_surface():
         expected = pysherd.fracture(cube(), resolution=20, pieces=3, seed=item["seed"], **same)
         assert {keyword: f.options.get(keyword) for keyword in same} == same
         assert np.array_equal(f.labels, expected.labels) and np.array_equal(f[0].faces, expected[0].faces)
-    for solid, own in ((plain, {"voxel_size": 0.1}), (exact, {"fill": "winding"}), (plain, {"surface": "exact"})):
+    for solid, own in ((plain, {"voxel_size": 0.1}), (exact, {"fill": "winding"}),
+                       (pysherd.voxelize(cube(), resolution=20, surface="smooth"), {"surface": "exact"})):  # fmt: skip
         with pytest.raises(pysherd.UsageError, match=f"^{next(iter(own))}: .*voxelize"):
             FractureDataset([solid], **own)
 
