@@ -242,6 +242,8 @@ struct UnitedBodies {
   std::size_t before = 0;                   ///< bodies of the input; 0 if none had to be united
   std::size_t after = 0;                    ///< bodies of the union
   ClosedHoles closed{};                     ///< of the input
+  std::size_t loose = 0;                    ///< bodies that are left out: smaller than small
+                                            ///< components, which the solid lacks
   std::shared_ptr<const SolidMesh> mesh{};  ///< null if it is the input's
 };
 

@@ -80,6 +80,11 @@ std::string unitedText(const UnitedBodies& united) {
            (united.closed.faces > 0 ? "by " + counted(united.closed.faces, "face")
                                     : "without faces that are left");
   }
+  if (united.loose > 0) {
+    text += (text.empty() ? "" : "; ") + std::to_string(united.loose) +
+            (united.loose == 1 ? " body of less than 27 voxels was left out"
+                               : " bodies of less than 27 voxels were left out");
+  }
   const std::string between = text.empty() ? "" : "; ";
   if (united.before != united.after) {
     return text + between + std::to_string(united.before) +

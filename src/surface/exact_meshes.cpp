@@ -20,6 +20,7 @@
 #include "surface/cut.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
+#include "surface/loose_bodies.h"
 #include "surface/part_edges.h"
 #include "surface/simplified_cracks.h"
 #include "voxelize/leaf_blocks.h"
@@ -253,9 +254,9 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   }
   const ClosedMesh closed = closedMesh(solid, progress);
   if (!closed.failure.empty()) return {.failure = closed.failure};
-  const double voxel = std::pow(solid.frame.voxelSize, 3);
-  Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed,
-                voxel * static_cast<double>(kSmallComponentVoxels), progress);
+  const double least =
+      std::pow(solid.frame.voxelSize, 3) * static_cast<double>(kSmallComponentVoxels);
+  Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed, least, progress);
   if (closed.isCrossed || componentsMeet(bodies.mesh().mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};
   }
@@ -266,6 +267,14 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
     surface = cutBodies(solid, labels, bodies, neighborhoods, adaptivity, progress);
   }
   surface = checkedUnion(std::move(surface), bodies.united(), progress);
+  surface.united.loose = removeLooseBodies(surface.meshes, least);
+  // Voxels connect parts of an open mesh that are near each other.
+  for (std::size_t i = 0; i < surface.meshes.size() && !bodies.isInput(); ++i) {
+    if (bodyCount(surface.meshes[i].mesh) < 2) continue;
+    return {.failure =
+                "fragment " + std::to_string(i + 1) +
+                " would be several bodies, since parts of the open mesh are near each other"};
+  }
   if (isShell(solid)) surface.united.before = surface.united.after = 0;  // its folds, no bodies
   return surface;
 }

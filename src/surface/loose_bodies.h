@@ -1,0 +1,22 @@
+// Bodies of fragments that no crack connects to the rest.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "surface/complex.h"
+
+namespace sherd {
+
+/// Removes small bodies of fragments that are not their largest and that no crack bounds: parts of
+/// the input that the solid has no voxels of, so that no fragment is theirs.
+///   meshes  [fragments] closed
+///   least   volume of a body that stays, world units
+///   return  number of bodies removed
+std::size_t removeLooseBodies(std::vector<LabeledMesh>& meshes, double least);
+
+/// Returns the number of the mesh's bodies: of the parts, connected by vertices at one position,
+/// that have a volume above 0.  Cavities have less.
+[[nodiscard]] std::size_t bodyCount(const TriangleMesh& mesh);
+
+}  // namespace sherd
