@@ -102,8 +102,9 @@ std::size_t removeLoose(LabeledMesh& mesh, double least) {
   if (removed.empty()) return 0;
   for (const auto& [name, part] : parts.all) {  // their cavities
     if (part.volume > 0.0 || part.hasCracks) continue;
+    const Box& own = part.box;
     const bool isTheirs =
-        std::ranges::any_of(removed, [&](const Box& box) { return isWithin(part.box, box); });
+        std::ranges::any_of(removed, [&](const Box& box) { return isWithin(own, box); });
     if (isTheirs) isRemoved[name] = true;
   }
   std::vector<bool> isKept;
