@@ -267,7 +267,9 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
     surface = cutBodies(solid, labels, bodies, neighborhoods, adaptivity, progress);
   }
   surface = checkedUnion(std::move(surface), bodies.united(), progress);
-  surface.united.loose = removeLooseBodies(surface.meshes, least);
+  const std::size_t removed = removeLooseBodies(surface.meshes, least);
+  const auto known = static_cast<std::size_t>(solid.smallComponents);  // which a warning counts
+  surface.united.loose = removed > known ? removed - known : 0;
   // Voxels connect parts of an open mesh that are near each other.
   for (std::size_t i = 0; i < surface.meshes.size() && !bodies.isInput(); ++i) {
     if (bodyCount(surface.meshes[i].mesh) < 2) continue;

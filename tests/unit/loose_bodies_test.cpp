@@ -45,9 +45,12 @@ TEST(LooseBodies, OfCracksOrOfSomeSizeStay) {
   EXPECT_EQ(bodyCount(meshes[0].mesh), 2u);
 }
 
-// A crumb of some voxels beside a cube is no component of the solid.
+// A crumb of some voxels beside a cube is a small component of the solid, and one without voxels
+// is none.
 TEST(LooseBodies, AreLeftOutOfExactFragments) {
-  const TriangleMesh mesh = shapes::append(shapes::cube(2.0), at(shapes::cube(0.1), {1.5, 0, 0}));
+  const TriangleMesh crumbs =
+      shapes::append(at(shapes::cube(0.1), {1.5, 0, 0}), at(shapes::cube(1e-3), {1.5, 0.71, 0.63}));
+  const TriangleMesh mesh = shapes::append(shapes::cube(2.0), crumbs);
   Device device("builtin");
   FractureOptions options;
   options.pieces = 4;
@@ -55,6 +58,7 @@ TEST(LooseBodies, AreLeftOutOfExactFragments) {
   options.surface = {.levelSets = false, .surface = Surface::exact};
   const FractureResult result = fracture(mesh, options, device);
   ASSERT_EQ(result.exactFailure, "");
+  EXPECT_EQ(result.solid.smallComponents, 1u);
   EXPECT_EQ(result.united.loose, 1u);
   double sum = 0.0;
   for (const Fragment& fragment : result.fragments) {
