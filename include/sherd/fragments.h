@@ -168,6 +168,7 @@ struct Contact {
   double area = 0.0;       ///< world units squared, equal on both sides
   glm::dvec3 normal{0.0};  ///< mean direction towards the other fragment, unit length
   glm::dvec3 centroid;     ///< of the shared surface, equal on both sides
+  bool isThin = false;     ///< the surfaces alone touch: no voxels of the two share a face
 };
 
 /// A face that was cut along seams of the input's attributes.

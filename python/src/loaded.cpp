@@ -24,10 +24,16 @@ glm::dvec3 vectorIn(const json& numbers) {
 
 std::vector<Contact> contactsIn(const json& fragment) {
   std::vector<Contact> contacts;
-  for (const json& own : fragment.at("contacts")) {
-    contacts.push_back({own.at("id").get<int>(), own.at("area").get<double>(),
-                        vectorIn(own.at("normal")), vectorIn(own.at("centroid"))});
-  }
+  const auto add = [&](const json& some, bool areThin) {
+    for (const json& own : some) {
+      contacts.push_back({own.at("id").get<int>(), own.at("area").get<double>(),
+                          vectorIn(own.at("normal")), vectorIn(own.at("centroid")), areThin});
+    }
+  };
+  add(fragment.at("contacts"), false);
+  add(fragment.value("thin_contacts", json::array()), true);
+  std::sort(contacts.begin(), contacts.end(),
+            [](const Contact& a, const Contact& b) { return a.fragment < b.fragment; });
   return contacts;
 }
 

@@ -100,9 +100,10 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
           {"eroded_voxels", solid.voxels - labeled}};
 }
 
-Json contactsJson(const Fragment& fragment, std::map<int, double> boundaries) {
+Json contactsJson(const Fragment& fragment, bool areThin, std::map<int, double> boundaries) {
   Json contacts = Json::array();
   for (const Contact& contact : fragment.contacts) {
+    if (contact.isThin != areThin) continue;
     contacts.push_back({{"id", contact.fragment},
                         {"area", plain(contact.area)},
                         {"normal", jsonOf(contact.normal)},
@@ -149,7 +150,9 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
       {"eroded_voxels", result.eroded[static_cast<std::size_t>(fragment.id)]},
       {"seeds", std::move(seeds)},
       {"files", std::move(files)},
-      {"contacts", contactsJson(fragment, facts.boundaryLengths)}};
+      {"contacts", contactsJson(fragment, false, facts.boundaryLengths)}};
+  Json thin = contactsJson(fragment, true, facts.boundaryLengths);
+  if (!thin.empty()) json["thin_contacts"] = std::move(thin);
   if (facts.roundedCrossings) json["rounded_crossings"] = *facts.roundedCrossings;
   if (hasBodies) json["bodies"] = facts.bodies;
   return json;

@@ -129,7 +129,9 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   fragment.fractureArea = number(json, "fracture_area", 0.0, kAnyNumber, where);
   const Json& contacts = field(json, "contacts", where);
   if (!contacts.is_array()) damaged(where + "'s \"contacts\" is not a list");
-  fragment.contacts = contacts.size();
+  const Json thin = json.value("thin_contacts", Json::array());
+  if (!thin.is_array()) damaged(where + "'s \"thin_contacts\" is not a list");
+  fragment.contacts = contacts.size() + thin.size();
   const Json surface = json.value("surface", Json());  // manifests of sherd/1 may be without
   fragment.isOfVoxelFaces = surface == names::of(names::kSurface, Surface::labels);
   fragment.isExact = surface == names::of(names::kSurface, Surface::exact);

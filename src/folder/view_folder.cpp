@@ -59,12 +59,14 @@ int idOf(const Json& object, const char* key) {
 
 std::vector<ViewerPiece::Contact> contactsOf(const Json& fragment) {
   std::vector<ViewerPiece::Contact> contacts;
-  const auto found = fragment.find("contacts");
-  if (found == fragment.end() || !found->is_array()) return contacts;
-  for (const Json& contact : *found) {
-    if (!contact.is_object()) continue;
-    const int id = idOf(contact, "id");
-    if (id > 0) contacts.push_back({id, numberOf(contact, "area")});
+  for (const char* const key : {"contacts", "thin_contacts"}) {
+    const auto found = fragment.find(key);
+    if (found == fragment.end() || !found->is_array()) continue;
+    for (const Json& contact : *found) {
+      if (!contact.is_object()) continue;
+      const int id = idOf(contact, "id");
+      if (id > 0) contacts.push_back({id, numberOf(contact, "area")});
+    }
   }
   return contacts;
 }

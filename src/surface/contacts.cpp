@@ -96,6 +96,7 @@ std::vector<std::vector<Contact>> contactsOf(std::size_t fragments, const Contac
     contact.area = sum.area;
     contact.normal = length > 0 ? sum.normal / length : glm::dvec3(0.0);
     contact.centroid = sum.centroid / sum.area;
+    contact.isThin = sum.isThin;
     contact.fragment = pair.second;
     all[pair.first - 1u].push_back(contact);
     contact.fragment = pair.first;
@@ -198,16 +199,14 @@ void ContactMeasure::add(std::uint16_t fragment, const SurfaceTriangle& face) {
 std::vector<std::vector<Contact>> ContactMeasure::contacts(std::size_t fragments,
                                                            ContactSums voxels) const {
   // A contact of a few voxels may have no face in the meshes; its voxel faces are used then.  And
-  // fragments whose voxels share only an edge may have faces towards each other where erosion has
-  // left nothing else near.
+  // fragments whose voxels share no face may have faces towards each other: where erosion has left
+  // nothing else near, and where exact surfaces are thinner than voxels.
   for (const auto& [pair, sum] : sums_) {
-    const auto found = voxels.find(pair);
     if (!(sum.area > 0.0)) continue;
-    if (found != voxels.end()) {
-      found->second = sum;
-    } else {
-      voxels.emplace(pair, sum);
-    }
+    const bool isThin = !voxels.contains(pair);
+    ContactSum& own = voxels[pair];
+    own = sum;
+    own.isThin = isThin;
   }
   return contactsOf(fragments, voxels);
 }

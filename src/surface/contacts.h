@@ -28,6 +28,7 @@ struct ContactSum {
   double area = 0.0;
   glm::dvec3 normal{0.0};    ///< area-weighted, from the lower id to the higher
   glm::dvec3 centroid{0.0};  ///< area-weighted
+  bool isThin = false;       ///< see Contact
 
   void add(double faceArea, const glm::dvec3& faceNormal, const glm::dvec3& at) {
     area += faceArea;
@@ -87,8 +88,9 @@ class NeighborSearch {
                                                      const Labels& labels, bool eroded,
                                                      const TouchingFragments* touching = nullptr);
 
-/// The contacts of all fragments.  Fragments are in contact if their voxels share a face; area,
-/// normal and centroid come from the faces of both meshes.
+/// The contacts of all fragments.  Fragments are in contact if their voxels share a face, or if the
+/// surfaces do where they are joined by less than a voxel; area, normal and centroid come from the
+/// faces of both meshes.
 class ContactMeasure {
  public:
   ContactMeasure() = default;

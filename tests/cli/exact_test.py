@@ -13,6 +13,7 @@ import unittest
 
 import numpy as np
 
+from agreement_test import labels_of
 from cli_test import CommandLine, sphere, tree, write_obj
 from ply_file import columns, read_ply
 
@@ -56,6 +57,16 @@ def areas(vertices, triangles):
 def volume(vertices, triangles):
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+
+
+def write_boxes(path, boxes):
+    """An .obj with an object for each name: a box from a low corner to a high one."""
+    faces = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+    with open(path, "w") as out:
+        for i, (name, box) in enumerate(boxes.items()):
+            out.write(f"o {name}\n")
+            out.writelines("v %r %r %r\n" % tuple(box[c >> (2 - k) & 1][k] for k in range(3)) for c in range(8))
+            out.writelines("f %d %d %d %d\n" % tuple(8 * i + v for v in face) for face in faces)
 
 
 def rotated(corners):
@@ -266,12 +277,7 @@ class Exact(CommandLine):
         """Of which they have faces: by the positions of these, on the surfaces of boxes."""
         boxes = {"left": ((0, 0, 0), (2, 1, 1)), "right": ((1.75, 0.25, 0.25), (4, 1.25, 1.25)), "apart": ((0, 3, 0), (2, 4, 1))}
         mesh = self.path("three.obj")
-        faces = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
-        with open(mesh, "w") as out:
-            for i, (name, box) in enumerate(boxes.items()):
-                out.write(f"o {name}\n")
-                out.writelines("v %r %r %r\n" % tuple(box[c >> (2 - k) & 1][k] for k in range(3)) for c in range(8))
-                out.writelines("f %d %d %d %d\n" % tuple(8 * i + v for v in face) for face in faces)
+        write_boxes(mesh, boxes)
         self.exact("--plain-meshes", mesh=mesh, pieces=9)
         manifest = self.manifest()
         self.assertEqual(manifest["bodies"], {"input": 3, "united": 2, "objects": [["left"], ["right"], ["apart"]]})
@@ -293,6 +299,24 @@ class Exact(CommandLine):
         self.assertNotIn("bodies", self.manifest(self.path("smooth")))
         self.exact(out=self.path("one"))
         self.assertNotIn("bodies", self.manifest(self.path("one")))
+
+    def test_contacts_without_voxel_faces_are_apart(self):
+        """Two cubes and a rod between them that is thinner than a voxel: by the labels they do not touch."""
+        mesh = self.path("joined.obj")
+        boxes = [((-1.3, -0.5, -0.5), (-0.3, 0.5, 0.5)), ((0.3, -0.5, -0.5), (1.3, 0.5, 0.5)), ((-0.5, 0.12, 0.12), (0.5, 0.14, 0.14))]
+        write_boxes(mesh, {f"box{k}": box for k, box in enumerate(boxes)})
+        self.exact("--write", "labels", mesh=mesh, pieces=2)
+        manifest = self.manifest()
+        voxels = labels_of(pathlib.Path(self.out), manifest["grid"])
+        for axis in range(3):
+            a, b = np.moveaxis(voxels, axis, 0)[:-1], np.moveaxis(voxels, axis, 0)[1:]
+            self.assertFalse(((a > 1) & (b > 1) & (a != b)).any())
+        for fragment, other in zip(manifest["fragments"], (2, 1)):
+            self.assertEqual((fragment["contacts"], [c["id"] for c in fragment["thin_contacts"]]), ([], [other]))
+            self.assertGreaterEqual(fragment["thin_contacts"][0]["area"], 0.0004 * (1 - 1e-9))
+            self.assertGreaterEqual(fragment["thin_contacts"][0]["boundary_length"], 0.08 * (1 - 1e-9))
+        reported = json.loads(self.run_sherd("evaluate", self.out, "--json").stdout)
+        self.assertEqual(reported["contacts"], 1)
 
     def test_holes_are_closed_by_faces_of_their_own(self):
         vertices, triangles = sphere()

@@ -177,6 +177,29 @@ TEST(Exact, BricksThatTouchAreUnited) {
                2 * 3.0 * 2.0 + 2 * 2.0 * 0.5 + 2 * 3.0 * 0.5 + 3 * 2 * 0.25);
 }
 
+// The voxels of both cubes are components of their own, and the rod has none.
+TEST(Exact, FragmentsJoinedByLessThanAVoxelAreInThinContact) {
+  const double side = 0.02, area = side * side;  // a third of a voxel
+  TriangleMesh rod = shapes::transformed(shapes::box({1.0, side, side}), 1.0, {0.0, 0.107, 0.111});
+  TriangleMesh mesh =
+      shapes::append(shapes::cube(1.0, {-0.8, 0, 0}), shapes::cube(1.0, {0.8, 0, 0}));
+  const FractureResult result = broken(shapes::append(mesh, rod), exactOptions(2, 48));
+  ASSERT_EQ(result.exactFailure, "");
+  ASSERT_EQ(result.fragments.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Fragment& fragment = result.fragments[i];
+    ASSERT_EQ(fragment.contacts.size(), 1u);
+    EXPECT_TRUE(fragment.contacts[0].isThin);
+    EXPECT_EQ(fragment.contacts[0].fragment, 2 - static_cast<int>(i));
+    EXPECT_GE(fragment.contacts[0].area, (1 - 1e-9) * area);
+    EXPECT_LT(fragment.contacts[0].area, 3 * area);
+    EXPECT_LT(std::abs(fragment.contacts[0].centroid.x), 0.3);
+  }
+  const FractureResult wide = broken(shapes::cube(2.0), exactOptions(2, 48));
+  ASSERT_EQ(wide.fragments[0].contacts.size(), 1u);
+  EXPECT_FALSE(wide.fragments[0].contacts[0].isThin);
+}
+
 TEST(Exact, ABodyWithinAnotherVanishes) {
   const TriangleMesh mesh = shapes::append(shapes::cube(2.0), shapes::cube(1.0));
   expectUnited(mesh, exactOptions(5, 40), 2, 8.0, 24.0);

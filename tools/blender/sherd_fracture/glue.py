@@ -14,7 +14,7 @@ from .scene import limited
 def contacts_of(manifest):
     """Pairs of ids, the lower first, with the area and the center of their contact."""
     for entry in manifest["fragments"]:
-        for contact in entry.get("contacts", []):
+        for contact in entry.get("contacts", []) + entry.get("thin_contacts", []):
             if contact["id"] > entry["id"]:
                 yield entry["id"], contact["id"], contact["area"], contact["centroid"]
 
