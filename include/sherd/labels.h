@@ -230,20 +230,26 @@ struct GrowOptions {
 ///           fragmentCount
 [[nodiscard]] std::vector<std::uint64_t> countVoxels(const Labels& labels);
 
+/// ShareOptions::minShare: no fragment is smaller than kSmallComponentVoxels, or a quarter of the
+/// mean if that is less, once grown and once eroded.  A smaller one gets the voxels of its
+/// neighbors that are nearest to it; none gets a seed elsewhere, so cracks stay where they are.
+inline constexpr double kAutoShare = -1.0;
+
 /// Control of fragment sizes in a fracture.  Drawn shares are met by weights of the seeds, so that
 /// cells are those of a power diagram and cracks stay planes, by growths whose cells are Voronoi's;
 /// growths by splits cut to them.  Each component of the solid gets those of the shares that fill
 /// it best, scaled to fill it.  Growths are repeated until each share is met within 2 %
 /// or 8 voxels, at most 100 times; FractureResult::sizeError is what remained.
 struct ShareOptions {
-  Sizes sizes = Sizes::grown;  ///< from which the fragments' shares are drawn
-  double sizeParameter = 0.0;  ///< of lognormal, 0.01..3; of power, 1..4
-  double minShare = 0.0;       ///< least share of the solid's voxels in a fragment, 0..1
+  Sizes sizes = Sizes::grown;    ///< from which the fragments' shares are drawn
+  double sizeParameter = 0.0;    ///< of lognormal, 0.01..3; of power, 1..4
+  double minShare = kAutoShare;  ///< least share of the solid's voxels in a fragment, 0..1, or
+                                 ///< kAutoShare; 0: one voxel is enough
   int balance = 0;  ///< Lloyd iterations before that: seeds move to their fragment's center, 0..100
   int tries = 64;   ///< most growths to reach minShare
 
   /// Whether an option is set.
-  bool isAny() const { return minShare != 0.0 || balance != 0 || sizes != Sizes::grown; }
+  bool isAny() const { return minShare > 0.0 || balance != 0 || sizes != Sizes::grown; }
 };
 
 /// The structuring element: the cells around a voxel that are counted, for a size of 2r + 1:
@@ -280,7 +286,9 @@ struct ErodeOptions {
   double probability = 1;  ///< of testing a voxel in an iteration, above 0, at most 1
   ErodeOn on = ErodeOn::fracture;
   Islands islands = Islands::eroded;
-  std::uint64_t seed = 0;          ///< used only when probability < 1
+  std::uint64_t least = 1;  ///< voxels that a fragment keeps, connected if islands are eroded: it
+                            ///< is not eroded further than to these
+  std::uint64_t seed = 0;   ///< used only when probability < 1
   double longestSideVoxels = 0.0;  ///< of percentages; 0: of the inside voxels
 };
 
@@ -300,7 +308,8 @@ struct Erosion {
 /// cells outside the solid count as filled, so the original surface does not move away from the
 /// cracks.
 ///
-/// A fragment never disappears: an iteration that would erode its last voxel is skipped for it.
+/// A fragment never disappears: an iteration that would leave less than ErodeOptions::least of it
+/// is skipped for it; one that had less is not eroded.
 /// Islands are handled once, after the last iteration: the 6-connected component with the most
 /// voxels stays; of equal ones, the one with the first voxel in leaf order.
 ///

@@ -166,8 +166,10 @@ struct WallThickness {
 /// Half width of every narrow band, in voxels.
 inline constexpr int kHalfWidthVoxels = 3;
 
-/// Components of the solid with fewer voxels are dropped and counted.
+/// Components of the solid with fewer voxels are dropped and counted, and those with a lower share
+/// of them, as has a cube a hundredth as wide as another.
 inline constexpr std::uint64_t kSmallComponentVoxels = 27;
+inline constexpr double kSmallComponentShare = 1e-6;
 
 /// Walls of at least this many voxels stay connected.
 inline constexpr double kHeldWallVoxels = 1.25;
@@ -300,6 +302,9 @@ struct Solid {
 
 /// Returns the number of voxels of a size along the mesh's longest side, rounded up.
 [[nodiscard]] int resolutionFor(const TriangleMesh& mesh, double voxelSize);
+
+/// Returns the voxels below which components of a solid are, or were, dropped.
+[[nodiscard]] std::uint64_t leastComponentVoxels(const Solid& solid);
 
 struct ApartLeaves;
 

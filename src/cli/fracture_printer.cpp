@@ -63,8 +63,9 @@ std::vector<std::string> warningsOf(const FractureSummary& summary) {
   if (result.solid.smallComponents > 0) {
     warnings.push_back(summary.mesh + ": " + std::to_string(result.solid.smallComponents) +
                        (result.solid.smallComponents == 1 ? " component" : " components") +
-                       " under " + std::to_string(kSmallComponentVoxels) + " voxels dropped, " +
-                       std::to_string(result.solid.smallComponentVoxels) + " voxels in all");
+                       " under " + std::to_string(leastComponentVoxels(result.solid)) +
+                       " voxels dropped, " + std::to_string(result.solid.smallComponentVoxels) +
+                       " voxels in all");
   }
   warnings.insert(warnings.end(), summary.ofFolder.begin(), summary.ofFolder.end());
   return warnings;

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "erode/largest_part.h"
 #include "erode/masks.h"
 #include "erode/passes.h"
 #include "erode/shape.h"
@@ -32,6 +33,7 @@ constexpr std::int64_t kMillion = 1'000'000;
 bool isShare(double x) { return x > 0 && x <= 1; }
 
 void check(const Labels& labels, const ErodeOptions& options) {
+  if (options.least < 1) refuse("a fragment keeps at least one voxel");
   if (!isShare(options.threshold)) {
     refuse("the threshold is " + std::to_string(options.threshold) +
            "; it must be above 0 and at most 1");
@@ -223,6 +225,49 @@ std::vector<LeafMask> without(const FragmentMasks& fragment, std::span<const std
   return rest;
 }
 
+bool areEmpty(const std::vector<LeafMask>& masks) {
+  return std::all_of(masks.begin(), masks.end(), [](const LeafMask& m) { return isEmpty(m); });
+}
+
+// Whether a fragment may lose voxels of its own.
+bool leavesEnough(const FragmentMasks& fragment, const std::vector<LeafMask>& eroded,
+                  std::uint64_t least) {
+  if (least <= 1) return eroded != fragment.masks;
+  return voxelsOf(fragment.masks) >= least + voxelsOf(eroded);
+}
+
+// Gives a fragment the voxels that it lost.
+void restore(const FragmentMasks& fragment, std::uint16_t id, const Labels& before,
+             Labels& labels) {
+  for (const std::uint32_t leaf : fragment.leaf) {
+    for (std::size_t voxel = std::size_t{leaf} * 512; voxel < std::size_t{leaf} * 512 + 512;
+         ++voxel) {
+      if (before.fragment[voxel] == id) labels.fragment[voxel] = id;
+    }
+  }
+}
+
+// Erodes a fragment of which the largest part must keep some voxels after each iteration.  Returns
+// the number of voxels lost, islands included.
+std::uint64_t erodeConnected(FragmentMasks& fragment, const Eroder& eroder,
+                             const ErosionPasses& passes, std::uint64_t least, Labels& labels) {
+  std::uint64_t lost = 0;
+  for (int iteration = 0; iteration < passes.count; ++iteration) {
+    const std::vector<LeafMask> eroded = eroder.erodedIn(fragment, iteration);
+    FragmentMasks left = fragment;
+    for (std::size_t i = 0; i < eroded.size(); ++i) {
+      for (std::size_t x = 0; x < 8; ++x) left.masks[i][x] &= ~eroded[i][x];
+    }
+    if (largestPart(left).voxels >= least) lost += markEroded(fragment, eroded, labels);
+  }
+  const std::vector<LeafMask> largest = largestPart(fragment).masks;
+  std::vector<LeafMask> islands = fragment.masks;
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    for (std::size_t x = 0; x < 8; ++x) islands[i][x] &= ~largest[i][x];
+  }
+  return lost + markEroded(fragment, islands, labels);
+}
+
 }  // namespace
 
 Erosion erode(const Labels& labels, const ErodeOptions& options, Device& device,
@@ -236,13 +281,14 @@ Erosion erode(const Labels& labels, const ErodeOptions& options, Device& device,
   if (passes.count == 0) return result;
 
   std::vector<FragmentMasks> masks = fragmentMasks(labels);
-  // Fragments share leaves but no voxels, so they write disjoint labels.  A fragment is never
-  // eroded completely.
+  const std::vector<FragmentMasks> whole = options.least > 1 ? masks : std::vector<FragmentMasks>();
+  // Fragments share leaves but no voxels, so they write disjoint labels.
   const auto erodeEach = [&](const auto& erodedOf) {
     tbb::parallel_for(std::size_t{0}, masks.size(), [&](std::size_t i) {
       const std::vector<LeafMask> eroded = erodedOf(masks[i]);
-      if (eroded != masks[i].masks)
+      if (leavesEnough(masks[i], eroded, options.least)) {
         result.eroded[i + 1] += markEroded(masks[i], eroded, result.labels);
+      }
     });
   };
   const Eroder eroder(*labels.blocks, options, passes);
@@ -252,7 +298,19 @@ Erosion erode(const Labels& labels, const ErodeOptions& options, Device& device,
   }
   if (options.islands == Islands::eroded) {
     const std::vector<std::uint64_t> largest = largestComponents(result.labels, device);
-    erodeEach([&](const FragmentMasks& fragment) { return without(fragment, largest); });
+    std::vector<std::uint8_t> isLess(masks.size(), 0);  // that part of it than it has to keep
+    tbb::parallel_for(std::size_t{0}, masks.size(), [&](std::size_t i) {
+      const std::vector<LeafMask> eroded = without(masks[i], largest);
+      if (areEmpty(eroded)) return;
+      isLess[i] = leavesEnough(masks[i], eroded, options.least) ? 0 : 1;
+      if (isLess[i] == 0) result.eroded[i + 1] += markEroded(masks[i], eroded, result.labels);
+    });
+    tbb::parallel_for(std::size_t{0}, masks.size(), [&](std::size_t i) {
+      if (isLess[i] == 0) return;
+      restore(masks[i], static_cast<std::uint16_t>(i + 1), labels, result.labels);
+      masks[i] = whole[i];
+      result.eroded[i + 1] = erodeConnected(masks[i], eroder, passes, options.least, result.labels);
+    });
   }
   for (std::size_t i = 1; i < result.eroded.size(); ++i) result.eroded[0] += result.eroded[i];
   return result;

@@ -9,6 +9,7 @@
 #include "base/option_names.h"
 #include "base/printable.h"
 #include "base/text_scan.h"
+#include "folder/small_pieces.h"
 
 namespace sherd {
 namespace {
@@ -193,6 +194,9 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   }
   if (std::string united = unitedText(result.united); !united.empty()) {
     warnings.push_back(titleOf(source) + ": " + std::move(united));
+  }
+  for (std::string& clause : smallPieces(result)) {
+    warnings.push_back(titleOf(source) + ": " + std::move(clause));
   }
   if (report.hasJoinedBodies) {
     warnings.push_back(titleOf(source) +

@@ -21,15 +21,13 @@ namespace {
 std::vector<double> meantShares(std::size_t fragments, const GrowOptions& options,
                                 const ShareOptions& shares, std::uint64_t voxels,
                                 std::uint64_t seed) {
-  // Fragments miss their shares by some percent.
-  const auto pieces = static_cast<double>(std::max<std::size_t>(fragments, 1));
-  const double least = std::min(1.1 * shares.minShare, 1.0 / pieces);
+  constexpr double kMissed = 1.1;  // fragments miss their shares by some percent
+  const double least = leastShareOf(shares, kMissed, fragments, voxels);
   if (shares.sizes == Sizes::grown) {
-    return raisedTo(least, sharesOfSplits(options.split, fragments, seed));
+    return raisedTo(shares.minShare != 0.0 ? least : 0.0,
+                    sharesOfSplits(options.split, fragments, seed));
   }
-  // A crack divides eight voxels as well as any.
-  const double fewest = std::min(8.0 / static_cast<double>(voxels), 1.0 / pieces);
-  return drawnShares(shares.sizes, shares.sizeParameter, fragments, std::max(least, fewest), seed);
+  return drawnShares(shares.sizes, shares.sizeParameter, fragments, least, seed);
 }
 
 std::uint64_t smallestOf(const Labels& labels) {

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "base/random.h"
+#include "grow/raise_small.h"
 #include "grow/sized_growth.h"
 #include "seed/distinct_middles.h"
 #include "seed/samplers.h"
@@ -210,7 +211,7 @@ std::vector<Seed> centeredSeeds(const Labels& labels, std::vector<Seed> seeds) {
 
 void checkShares(const ShareOptions& options, const VoxelComponents& components, int fragments,
                  std::uint64_t voxels) {
-  if (!(options.minShare >= 0.0 && options.minShare <= 1.0)) {
+  if (!((options.minShare >= 0.0 && options.minShare <= 1.0) || options.minShare == kAutoShare)) {
     throw Error(ErrorCode::usage, "the least share must lie in 0..1");
   }
   if (options.balance < 0 || options.balance > 100) {
@@ -230,8 +231,21 @@ void checkShares(const ShareOptions& options, const VoxelComponents& components,
 }
 
 std::uint64_t leastVoxels(const ShareOptions& options, std::uint64_t voxels) {
+  if (options.minShare == kAutoShare) return 0;  // raiseSmallFragments gives them more
   return static_cast<std::uint64_t>(
       std::ceil(options.minShare * static_cast<double>(voxels) - 1e-9));
+}
+
+double leastShareOf(const ShareOptions& options, double above, std::size_t fragments,
+                    std::uint64_t voxels) {
+  // A crack divides eight voxels as well as any, and sizes are met within as many.
+  constexpr double kFewVoxels = 8.0;
+  const double room = 1.0 / static_cast<double>(std::max<std::size_t>(fragments, 1));
+  const double fewest = options.minShare == kAutoShare
+                            ? kFewVoxels + static_cast<double>(leastVoxelsOf(voxels, fragments))
+                            : kFewVoxels;
+  const double few = std::min(fewest / static_cast<double>(voxels), 0.5 * room);
+  return std::min(std::max(few, above * options.minShare), std::max(room, options.minShare));
 }
 
 Error unreachedShare(const ShareOptions& options, int fragments, std::uint64_t smallest,

@@ -25,8 +25,14 @@ struct SharedGrowthOptions {
 void checkShares(const ShareOptions& options, const VoxelComponents& components, int fragments,
                  std::uint64_t voxels);
 
-/// Returns the least voxels of a fragment.
+/// Returns the least voxels of a fragment that growths are repeated for; 0: none.
 [[nodiscard]] std::uint64_t leastVoxels(const ShareOptions& options, std::uint64_t voxels);
+
+/// Returns the least share that is drawn or meant: that of the options, above it by what fragments
+/// miss theirs, and some voxels.
+///   above  the factor
+[[nodiscard]] double leastShareOf(const ShareOptions& options, double above, std::size_t fragments,
+                                  std::uint64_t voxels);
 
 /// Returns the error where the least share was not reached within ShareOptions::tries.
 [[nodiscard]] Error unreachedShare(const ShareOptions& options, int fragments,

@@ -32,20 +32,12 @@ constexpr double kVoxelTolerance = 8.0;  // for shares of few voxels
 constexpr int kBetweenNudges = 4;        // growths
 constexpr double kFewMisplaced = 0.015;  // share of the solid from which Newton's method works
 constexpr double kGain = 1.5;
-constexpr double kLeastVoxels = 8.0;  // no smaller share is drawn
 
 // Shares that are drawn and met.
 struct Targets {
   std::vector<double> drawn;   // [fragments + 1] shares
   std::vector<double> voxels;  // [fragments + 1] of fragments that fill their component
 };
-
-double fullShare(const ShareOptions& shares, std::size_t fragments, std::uint64_t voxels) {
-  const double room = 1.0 / static_cast<double>(fragments);
-  const double few = std::min(kLeastVoxels / static_cast<double>(voxels), 0.5 * room);
-  return std::min(std::max(few, shares.minShare * (1.0 + 2.0 * kTolerance)),
-                  std::max(room, shares.minShare));
-}
 
 // Gives each component those of the drawn shares, the largest first, that fill it, and each
 // fragment the share of its rank among those of its component.
@@ -305,8 +297,8 @@ SeededLabels grownToSizes(const Solid& solid, const VoxelComponents& components,
                           const SharedGrowthOptions& options, const Progress* progress) {
   const ShareOptions& shares = options.shares;
   const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds));
-  const double least =
-      std::ceil(shares.minShare * static_cast<double>(solid.blocks->insideVoxels()) - 1e-9);
+  const std::uint64_t voxels = solid.blocks->insideVoxels();
+  const std::uint64_t least = leastVoxels(shares, voxels);
   GrowOptions quick = options.grow;
   quick.outerSteps = 0;
   quick.keepCost = false;
@@ -328,14 +320,13 @@ SeededLabels grownToSizes(const Solid& solid, const VoxelComponents& components,
   std::vector<std::uint64_t> counts = countIn(cells);
   const Targets targets = targetsFor(
       drawnShares(shares.sizes, shares.sizeParameter, fragments,
-                  fullShare(shares, fragments, solid.blocks->insideVoxels()), options.seed),
+                  leastShareOf(shares, 1.0 + 2.0 * kTolerance, fragments, voxels), options.seed),
       counts, componentOf, components);
   SeededLabels best;
   double leastError = std::numeric_limits<double>::infinity();
   bool refines = false;
   for (int growths = 1, lastChange = 0;; ++growths) {
-    const bool isEnough =
-        static_cast<double>(*std::min_element(counts.begin() + 1, counts.end())) >= least;
+    const bool isEnough = *std::min_element(counts.begin() + 1, counts.end()) >= least;
     const double error = errorOf(counts, targets);
     if (isEnough && error < leastError) {
       leastError = error;

@@ -4,6 +4,7 @@
 #include <sherd/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,9 +14,16 @@
 
 namespace sherd {
 
+std::uint64_t leastComponentVoxels(const Solid& solid) {
+  const auto voxels = static_cast<double>(solid.voxels + solid.smallComponentVoxels);
+  return std::max(kSmallComponentVoxels,
+                  static_cast<std::uint64_t>(std::ceil(kSmallComponentShare * voxels)));
+}
+
 Solid dropSmallComponents(Solid solid, VoxelComponents& components, Device& device) {
+  const std::uint64_t least = leastComponentVoxels(solid);
   const auto isSmallComponent = [&](std::uint32_t component) {
-    return components.voxels()[component] < kSmallComponentVoxels;
+    return components.voxels()[component] < least;
   };
   for (std::uint32_t component = 0; component < components.count(); ++component) {
     if (!isSmallComponent(component)) continue;

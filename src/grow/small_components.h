@@ -6,8 +6,8 @@
 
 namespace sherd {
 
-/// Return the solid without its components of fewer than kSmallComponentVoxels voxels, and count
-/// them in `smallComponents`.
+/// Return the solid without its components of fewer than leastComponentVoxels, and count them in
+/// `smallComponents`.
 ///   components  of the solid; updated
 ///   throws      Error(input) every component is that small
 [[nodiscard]] Solid dropSmallComponents(Solid solid, VoxelComponents& components, Device& device);

@@ -241,11 +241,17 @@ const Row kGrowthRows[]{
      .drawn = true},
     {.name = "min-share",
      .group = "Growth",
-     .value = V::number(kShares, &ShareOptions::minShare, kShare),
-     .help = "Least share of the solid in a fragment; seeds are drawn again until all reach it",
-     .details = "least share of the solid's voxels for a fragment; a smaller one gets a "
-                "new seed elsewhere, until all are large enough, else an error with "
-                "status 2",
+     .value = V::numberOrAuto(kShares, &ShareOptions::minShare, kAutoShare, kShare),
+     .help =
+         "Least share of the solid in a fragment; seeds are drawn again until all reach it.  auto: "
+         "27 voxels or a quarter of the mean, which small ones get from their neighbors",
+     .details =
+         "least share of the solid's voxels for a fragment; a smaller one gets a "
+         "new seed elsewhere, until all are large enough, else an error with "
+         "status 2.  `auto`: no fragment has fewer than 27 voxels, or than a quarter of the "
+         "mean if that is less, grown or eroded: a smaller one gets the voxels of its neighbors "
+         "that are nearest to it, and one that another fragment encloses moves to the surface of "
+         "that.  0: fragments of one voxel are possible",
      .key = "min_share",
      .drawn = true},
     {.name = "balance",

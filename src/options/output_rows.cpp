@@ -298,21 +298,6 @@ OptionValue<RunOptions> passes(Parent parent) {
       [=](R o) { return iterationsText(parent(o)); });
 }
 
-OptionValue<RunOptions> adaptivity() {
-  return V::custom(
-      OptionType::number, "auto|0..1",
-      [](RunOptions& o, const std::string& text) {
-        const std::optional<double> value = text == "auto" ? kAutoAdaptivity : numberIn(text);
-        const bool isIn = value && *value <= 1.0 && (*value >= 0.0 || text == "auto");
-        if (!isIn) refuseValue(text, "auto, or a number in 0..1");
-        o.fracture.surface.adaptivity = *value;
-      },
-      [](R o) {
-        const double value = o.fracture.surface.adaptivity;
-        return value == kAutoAdaptivity ? "auto" : shortestText(value);
-      });
-}
-
 const Row kSurfaceRows[]{
     {.name = "surface",
      .group = "Surface",
@@ -347,7 +332,7 @@ const Row kSurfaceRows[]{
      .drawn = true},
     {.name = "adaptivity",
      .group = "Surface",
-     .value = adaptivity(),
+     .value = V::numberOrAuto(kSurface, &SurfaceOptions::adaptivity, kAutoAdaptivity, kShare),
      .help =
          "Simplify flat regions: error in voxels that a vertex may have; 0 none; auto: merge the "
          "triangles in each plane where the mesh is piecewise flat; exact surfaces' cracks have "

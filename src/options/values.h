@@ -150,6 +150,24 @@ struct ValuesOf {
         [=](const Target& o) { return shortestText(parent(o).*field); });
   }
 
+  /// A number in a range that includes its ends, or "auto" for another one.
+  template <class Parent, class Struct>
+  static Value numberOrAuto(Parent parent, double Struct::*field, double automatic,
+                            NumberRange range) {
+    return custom(
+        OptionType::number, "auto|" + range.text,
+        [=](Target& o, const std::string& text) {
+          const std::optional<double> value = text == "auto" ? automatic : numberIn(text);
+          const bool isIn = value && *value >= range.low && *value <= range.high;
+          if (!isIn && text != "auto") refuseValue(text, "auto, or a number in " + range.text);
+          parent(o).*field = *value;
+        },
+        [=](const Target& o) {
+          const double value = parent(o).*field;
+          return value == automatic ? "auto" : shortestText(value);
+        });
+  }
+
   /// Voxels in a range, or a percentage of the longest side.
   template <class Parent, class Struct>
   static Value length(Parent parent, Length Struct::*field, NumberRange range) {

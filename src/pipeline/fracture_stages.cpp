@@ -10,6 +10,7 @@
 #include "base/random.h"
 #include "erode/passes.h"
 #include "grow/guide_sides.h"
+#include "grow/raise_small.h"
 #include "grow/sequential.h"
 #include "pipeline/guide_surfaces.h"
 #include "seed/distinct_middles.h"
@@ -118,12 +119,13 @@ void checkOptions(const FractureOptions& options) {
   if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
       options.grow.noiseSeeds.empty() && options.grow.walls.empty() &&
       options.grow.longestSideVoxels == 0.0 && options.erode.longestSideVoxels == 0.0 &&
-      options.erode.seed == 0) {
+      options.erode.seed == 0 && options.erode.least == 1) {
     return;
   }
-  throw Error(ErrorCode::usage,
-              "pieces, seed and longest side are those of the whole fracture; those of a stage "
-              "must not be set");
+  throw Error(
+      ErrorCode::usage,
+      "pieces, seed, longest side and least voxels are those of the whole fracture; those of a "
+      "stage must not be set");
 }
 
 SeedOptions seedOptionsFor(const FractureOptions& options, std::uint64_t seed) {
@@ -177,9 +179,29 @@ SequentialFracture sequentialOf(const FractureOptions& options, const Solid& sol
 
 }  // namespace
 
-SeededLabels growFor(const FractureOptions& options, const Solid& solid,
-                     const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
-                     SolidWalls& walls, Device& device, const Progress* progress) {
+namespace {
+
+// Raises fragments that are too small where no least share is asked for.
+void raiseSmall(Labels& labels, std::vector<Seed>& seeds, const FractureOptions& options,
+                Device& device) {
+  if (options.shares.minShare != kAutoShare) return;
+  const LeafBlocks& blocks = *labels.blocks;
+  const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
+  const auto changed = raiseSmallFragments(labels, leastVoxelsOf(blocks.insideVoxels(), fragments));
+  if (changed.empty()) return;
+  for (const auto& [id, place] : changed) {
+    if (place == kNoVoxel) continue;
+    const auto own = std::find_if(seeds.begin(), seeds.end(),
+                                  [&](const Seed& seed) { return seed.fragment == id; });
+    if (own != seeds.end()) *own = {.voxel = blocks.voxelAt(place), .fragment = id};
+  }
+  labels = extendLabels(std::move(labels), device, options.grow.outerSteps);
+}
+
+SeededLabels grownFor(const FractureOptions& options, const Solid& solid,
+                      const VoxelComponents& components, std::vector<Seed> seeds,
+                      std::uint64_t seed, SolidWalls& walls, Device& device,
+                      const Progress* progress) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
   grow.longestSideVoxels = longestSideVoxels(solid);
@@ -194,6 +216,17 @@ SeededLabels growFor(const FractureOptions& options, const Solid& solid,
   grow.walls = {middlesFor(options, solid, fragments, walls, progress)};
   return growWithShares(solid, components, std::move(seeds), device,
                         {grow, options.shares, seed, options.seeds.density.field.get()}, progress);
+}
+
+}  // namespace
+
+SeededLabels growFor(const FractureOptions& options, const Solid& solid,
+                     const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
+                     SolidWalls& walls, Device& device, const Progress* progress) {
+  SeededLabels grown =
+      grownFor(options, solid, components, std::move(seeds), seed, walls, device, progress);
+  raiseSmall(grown.labels, grown.seeds, options, device);
+  return grown;
 }
 
 namespace {
@@ -251,6 +284,9 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
   ErodeOptions erosion = options.erode;
   erosion.seed = options.seed;
   erosion.longestSideVoxels = longestSideVoxels(result.solid);
+  if (options.shares.minShare != 0.0) {
+    erosion.least = leastVoxelsOf(result.solid.voxels, fragments);
+  }
   if (passesOf(erosion, erosion.longestSideVoxels).count > 0) {
     Erosion eroded = erode(labels, erosion, device, progress);
     result.labels = extendLabels(std::move(eroded.labels), device, options.grow.outerSteps);
@@ -333,6 +369,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   }
   clock.done("grow");
   for (std::size_t i = 0; i < all.size(); ++i) {
+    raiseSmall(labels[i], all[i].result.seeds, options[i], device);
     finish(all[i], std::move(labels[i]), options[i], device, clock, progress);
   }
   return all;

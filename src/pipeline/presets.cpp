@@ -19,7 +19,7 @@ FractureOptions paperOptions() {
   options.grow.neighborhood = 6;
   options.grow.roughness = 0.0;
   options.grow.regrowIsolated = true;
-  options.shares = {};
+  options.shares = {.minShare = 0.0};
   options.erode.iterations = 0;
   options.missing = 0.0;
   options.surface = {.surface = Surface::labels,

@@ -255,7 +255,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   const ClosedMesh closed = closedMesh(solid, progress);
   if (!closed.failure.empty()) return {.failure = closed.failure};
   const double least =
-      std::pow(solid.frame.voxelSize, 3) * static_cast<double>(kSmallComponentVoxels);
+      std::pow(solid.frame.voxelSize, 3) * static_cast<double>(leastComponentVoxels(solid));
   Bodies bodies(closed.mesh ? closed.mesh : solid.mesh, closed, least, progress);
   if (closed.isCrossed || componentsMeet(bodies.mesh().mesh, progress)) {
     if (std::string failure = bodies.unite(); !failure.empty()) return {.failure = failure};

@@ -97,11 +97,14 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("merge", merge, true);
   auto& [sizes, sizeParameter, minShare, balance, tries] = shares;
   expectRecorded("minShare", minShare, 0.01);
+  expectRecorded("minShare", minShare, 0.0);
   expectRecorded("balance", balance, 2);
   expectRecorded("tries", tries, 32);
+}
 
-  auto& [shape, size, planes, iterations, threshold, probability, erodeOn, islands, erodeSeed,
-         erodeSide] = erode;
+TEST_F(ManifestOptions, OfAnErosionAreRecorded) {
+  auto& [shape, size, planes, iterations, threshold, probability, erodeOn, islands, least,
+         erodeSeed, erodeSide] = options_.erode;
   expectRecorded("iterations", iterations, Length(1));
   expectRecorded("iterations", iterations, Length::ofSide(1.0));
   iterations = 2;  // without any the others do nothing
@@ -113,6 +116,7 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("probability", probability, 0.5);
   expectRecorded("on", erodeOn, ErodeOn::all);
   expectRecorded("islands", islands, Islands::kept);
+  expectNotRecorded("erode.least", least, std::uint64_t{9});
   expectNotRecorded("erode.seed", erodeSeed, std::uint64_t{9});  // taken from above
   expectNotRecorded("erode.longestSideVoxels", erodeSide, 9.0);
 }

@@ -43,9 +43,12 @@ std::vector<double> sharesOf(const Labels& labels) {
   return shares;
 }
 
-// The least share that is drawn: 8 voxels, or half of an equal share if that is less.
+// The least share that is drawn: 8 voxels more than kAutoShare leaves a fragment, or half of an
+// equal share if that is less.
 double leastOf(const Labels& labels, double pieces) {
-  return std::min(8.0 / static_cast<double>(labels.blocks->insideVoxels()), 0.5 / pieces);
+  const auto voxels = static_cast<double>(labels.blocks->insideVoxels());
+  return std::min((8.0 + std::min(27.0, std::floor(voxels / (4.0 * pieces)))) / voxels,
+                  0.5 / pieces);
 }
 
 // Ranked, shares are as close to those drawn as each is to its own.
