@@ -35,8 +35,9 @@ struct LibraryOptions {
 };
 
 /// Returns the meshes and volumes of a library, ascending by key.
-///   library  a folder, searched recursively without hidden folders; or a list: a text file with
-///            one path per line, relative to the list's folder; '#' starts a comment
+///   library  a folder, searched recursively without hidden folders; or one mesh or volume; or a
+///            list: a text file with one path per line, relative to the list's folder; '#' starts a
+///            comment
 ///   skipped  receives one sentence for each folder that cannot be read, each link that is broken
 ///            or leads to a folder, and each entry with a mesh's name that is not a file
 ///   throws   Error(input) the library does not exist or has no meshes

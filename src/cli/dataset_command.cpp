@@ -30,6 +30,7 @@ struct DatasetArguments {
   MachineOptions machine;
   bool verify = false;
   bool dryRun = false;
+  bool strict = false;
   bool json = false;
   bool quiet = false;
 };
@@ -39,6 +40,10 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
   command
       .add_flag("--verify", arguments.verify,
                 "Read all files again at the end, with --resume also those of earlier runs")
+      ->group(group);
+  command
+      .add_flag("--strict", arguments.strict,
+                "Status 3 if any object could not be broken, not only if none could")
       ->group(group);
   command
       .add_flag("--dry-run", arguments.dryRun, "Only estimate files and time, from a few objects")
@@ -76,6 +81,12 @@ void runDatasetCommand(DatasetArguments& arguments) {
                                         "/failures.jsonl has the reasons");
     }
     printer.printSummary(arguments.folder, summary);
+    if (arguments.strict && summary.failures > 0) {
+      throw Error(ErrorCode::input, std::to_string(summary.failures) +
+                                        (summary.failures == 1 ? " object" : " objects") +
+                                        " could not be broken; " + arguments.folder +
+                                        "/failures.jsonl has the reasons");
+    }
     if (!arguments.verify) return;
     DatasetCheck check = verifyDataset(arguments.folder, &untilInterrupted());
     // Those that were not written anew differ still.
@@ -191,8 +202,9 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
       app.add_subcommand("dataset", "Break every mesh of a library, many times each");
   auto arguments = std::make_shared<DatasetArguments>();
   command
-      ->add_option("LIBRARY", arguments->library,
-                   "A folder of meshes, with all below it, or a text file with a path a line")
+      ->add_option(
+          "LIBRARY", arguments->library,
+          "A folder of meshes, with all below it, one mesh, or a text file with a path a line")
       ->required();
   command
       ->add_option("-o,--output", arguments->folder,
@@ -218,6 +230,11 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
     }
     if (options.layout == DatasetLayout::pfpp && command->count("--points") == 0) {
       options.each.write.points.count = kPointsOfPfpp;
+    }
+    const bool isOneNumber = options.schedule.fewest == options.schedule.most;
+    const bool isPaper = preset->count() > 0 && !isPly;
+    if (isOneNumber && command->count("--repeats") == 0 && !isPaper) {
+      options.schedule.repeatsOfFewest = options.schedule.repeatsOfMost = 1;
     }
     for (const DrawnOption& drawn : options.drawn) {
       try {

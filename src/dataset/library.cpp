@@ -88,6 +88,9 @@ void addList(const fs::path& list, std::vector<LibraryObject>& found) {
     ++number;
     if (line.ends_with('\r')) line.pop_back();
     if (line.empty() || line.starts_with('#')) continue;
+    if (line.find('\0') != std::string::npos) {
+      inputError(list, "is neither a mesh of a known format nor a text file of paths");
+    }
     const fs::path named = fs::path(line).lexically_normal();
     const fs::path relative = named.relative_path();  // without the root of an absolute one
     if (relative.empty() || *relative.begin() == "..") {
@@ -131,10 +134,12 @@ std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOpt
     if (fs::is_directory(library)) {
       std::vector<std::string> sentences = addFolder(library, found);
       if (skipped) *skipped = std::move(sentences);
-    } else if (fs::is_regular_file(library)) {
-      addList(library, found);
+    } else if (!fs::is_regular_file(library)) {
+      inputError(library, "is neither a mesh, nor a folder of meshes, nor a list of them");
+    } else if (isMeshName(library) || isVolumeName(library)) {
+      found.push_back(objectAt(library, library.filename().generic_string()));
     } else {
-      inputError(library, "is neither a folder of meshes nor a list of them");
+      addList(library, found);
     }
   } catch (const fs::filesystem_error& e) {
     inputError(library, std::string("cannot be read: ") + e.code().message());

@@ -92,8 +92,10 @@ const std::vector<Row> kScheduleRows{
      .value = V::custom(
          OptionType::text, "A..B", setRepeats,
          [](D o) { return rangeText(o.schedule.repeatsOfFewest, o.schedule.repeatsOfMost); }),
-     .help = "Fractures with the fewest pieces and with the most; in proportion between",
-     .details = "fractures into the fewest pieces, and into the most",
+     .help = "Fractures with the fewest pieces and with the most; in proportion between.  1 where "
+             "--pieces is one number",
+     .details = "fractures into the fewest pieces, and into the most; 1 where `--pieces` is one "
+                "number, but with `--preset paper`",
      .key = "repeats"},
     {.name = "max-fragments",
      .group = "Schedule",

@@ -244,6 +244,39 @@ class Run(Dataset):
         self.done(library=listed)
         self.assertEqual(list(dict.fromkeys(r["object"] for r in self.rows())), ["library/ball.obj", "library/vases/egg.stl"])
 
+    def test_one_mesh(self):
+        """It is a library of one, whatever its first lines look like, and not a list of paths."""
+        off = self.path("ball.off")
+        vertices, triangles = sphere()
+        with open(off, "w") as file:
+            file.write(f"OFF\n{len(vertices)} {len(triangles)} 0\n")
+            file.writelines("%r %r %r\n" % tuple(map(float, v)) for v in vertices)
+            file.writelines("3 %d %d %d\n" % tuple(t) for t in triangles)
+        self.done(library=off)
+        self.assertEqual({r["object"] for r in self.rows()}, {"ball.off"})
+        blob = self.path("library.bin", b"\0\1\2\n\0")
+        self.refused(3, self.dataset(library=blob, out=self.path("none")), "text file of paths")
+
+    def test_one_number_of_pieces_is_one_fracture(self):
+        run = self.run_sherd("dataset", self.library, "-o", self.out, "--resolution", "32", "--pieces", "3", "--write", "labels")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(len({(r["object"], r["fracture"]) for r in self.rows()}), 2 * 3)  # each also whole
+        run = self.run_sherd("dataset", self.library, "-o", self.path("two"), "--resolution", "32", "--pieces", "3",
+                             "--repeats", "2", "--write", "labels")
+        self.assertEqual(len({(r["object"], r["fracture"]) for r in self.rows(self.path("two"))}), 3 * 3)
+
+    def test_strict_is_for_each_object(self):
+        library = self.path("some")
+        os.makedirs(library)
+        shutil.copy(os.path.join(self.library, "ball.obj"), library)
+        self.path("some/bad.obj", b"v 0 0 0\n")
+        self.done(library=library)
+        run = self.dataset("--strict", library=library, out=self.path("strict"))
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("1 object could not be broken", run.stderr.splitlines()[-1])
+        self.assertIn("1 objects failed", run.stdout)
+        self.assertTrue(os.path.exists(os.path.join(self.path("strict"), "index.csv")))
+
     def test_refusals(self):
         self.refused(3, self.dataset(library=self.path("absent")), "absent")
         self.refused(2, self.dataset("--pieces", "10..2"), "--pieces")
