@@ -154,6 +154,7 @@ struct MeshDefects {
   std::size_t flippedTriangles = 0;    ///< flipped to agree with their neighbors
   std::size_t flippedComponents = 0;   ///< inside-out components that were flipped
   std::size_t duplicateTriangles = 0;  ///< dropped
+  std::size_t sheetTriangles = 0;      ///< of these, both sides of sheets, which enclose nothing
   std::size_t zeroAreaTriangles = 0;   ///< collinear corners, kept
 
   [[nodiscard]] bool closed() const { return boundaryEdges == 0; }

@@ -109,6 +109,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
                                  {"degenerate_triangles", source.degenerateTriangles},
                                  {"zero_area_triangles", defects.zeroAreaTriangles},
                                  {"duplicate_triangles", defects.duplicateTriangles},
+                                 {"sheet_triangles", defects.sheetTriangles},
                                  {"fill", names::of(names::kFill, report.fill)},
                                  {"fill_reason", report.fillReason}};
   if (report.fill == Fill::shell) {
@@ -187,6 +188,7 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
 std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureResult& result) {
   std::vector<std::string> warnings;
   const SolidReport& report = result.solid.report;
+  const MeshDefects& defects = report.defects;
   if (std::abs(difference(result)) > kVolumesAgree) {
     warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
                        ", the mesh's own " + text(meshVolume(result)) +
@@ -194,6 +196,11 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   }
   if (std::string united = unitedText(result.united); !united.empty()) {
     warnings.push_back(titleOf(source) + ": " + std::move(united));
+  }
+  if (defects.sheetTriangles > 0 && report.fill != Fill::shell) {
+    warnings.push_back(titleOf(source) + ": " + counted(defects.sheetTriangles, "triangle") +
+                       " on both sides of sheets, as of leaves, enclose nothing and are lost; the "
+                       "fill shell keeps them");
   }
   for (std::string& clause : smallPieces(result)) {
     warnings.push_back(titleOf(source) + ": " + std::move(clause));

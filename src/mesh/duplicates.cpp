@@ -30,6 +30,7 @@ std::pair<std::array<std::uint32_t, 3>, bool> sortedCorners(const glm::uvec3& t)
 struct Once {
   std::vector<bool> isKept;
   std::vector<std::uint32_t> copies;
+  std::vector<std::uint32_t> canceled;  // the first of those of which none is kept
 };
 
 Once once(std::span<const glm::uvec3> triangles) {
@@ -47,7 +48,7 @@ Once once(std::span<const glm::uvec3> triangles) {
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
     return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
   });
-  Once out{std::vector<bool>(triangles.size(), false), {}};
+  Once out{std::vector<bool>(triangles.size(), false), {}, {}};
   for (std::size_t i = 0; i < entries.size();) {
     std::size_t end = i;
     int net = 0;
@@ -55,6 +56,7 @@ Once once(std::span<const glm::uvec3> triangles) {
       net += entries[end].even ? 1 : -1;
     }
     int left = std::abs(net);
+    if (left == 0) out.canceled.push_back(entries[i].index);
     for (std::size_t k = i; k < end && left > 0; ++k) {
       if (entries[k].even != (net > 0)) continue;
       if (left-- == std::abs(net)) {
@@ -115,14 +117,58 @@ void keepNeeded(std::span<const glm::uvec3> triangles, Once& all) {
   }
 }
 
+// Keeps one side of the closed surfaces among triangles that cancel each other.  Returns the number
+// of those on both sides of sheets: the others are walls between bodies, and end at these.
+std::size_t keepSurfaces(std::span<const glm::uvec3> triangles, Once& all) {
+  struct Edge {
+    std::uint32_t first = 0;  // of the canceled ones
+    int count = 0;
+    bool isOfOthers = false;  // of triangles that are kept
+  };
+  std::unordered_map<std::uint64_t, Edge> edges;
+  UnionFind groups(all.canceled.size());
+  for (std::uint32_t i = 0; i < all.canceled.size(); ++i) {
+    forEachSide(triangles[all.canceled[i]], [&](std::uint64_t edge, int) {
+      Edge& own = edges.try_emplace(edge, Edge{.first = i}).first->second;
+      ++own.count;
+      groups.unite(i, own.first);
+    });
+  }
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (!all.isKept[t]) continue;
+    forEachSide(triangles[t], [&](std::uint64_t edge, int) {
+      if (const auto found = edges.find(edge); found != edges.end())
+        found->second.isOfOthers = true;
+    });
+  }
+  const std::vector<std::uint32_t> groupOf = std::move(groups).all();
+  std::vector<std::uint8_t> isOpen(groupOf.size(), 0), isWall(groupOf.size(), 0);
+  for (const auto& [key, edge] : edges) {
+    const std::uint32_t group = groupOf[edge.first];
+    if (edge.isOfOthers) isWall[group] = 1;
+    if (edge.count == 1 && !edge.isOfOthers) isOpen[group] = 1;
+    if (edge.count > 2) isOpen[group] = 1;
+  }
+  std::size_t ofSheets = 0;
+  for (std::size_t i = 0; i < groupOf.size(); ++i) {
+    if (isOpen[groupOf[i]] != 0) {
+      ofSheets += 2;
+    } else if (isWall[groupOf[i]] == 0) {
+      all.isKept[all.canceled[i]] = true;
+    }
+  }
+  return ofSheets;
+}
+
 }  // namespace
 
-std::vector<std::uint32_t> withoutDuplicates(std::span<const glm::uvec3> triangles) {
+OnceTriangles withoutDuplicates(std::span<const glm::uvec3> triangles) {
   Once all = once(triangles);
   if (!all.copies.empty()) keepNeeded(triangles, all);
-  std::vector<std::uint32_t> out;
+  OnceTriangles out;
+  if (!all.canceled.empty()) out.ofSheets = keepSurfaces(triangles, all);
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (all.isKept[i]) out.push_back(i);
+    if (all.isKept[i]) out.kept.push_back(i);
   }
   return out;
 }

@@ -203,7 +203,9 @@ Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
   for (const glm::uvec3& t : mesh.triangles) defects.zeroAreaTriangles += areaOf(mesh, t) == 0.0;
   std::size_t unbalanced = countEdges();
   if (unbalanced > 0 || defects.nonManifoldEdges > 0) {
-    out.source = withoutDuplicates(mesh.triangles);
+    OnceTriangles once = withoutDuplicates(mesh.triangles);
+    out.source = std::move(once.kept);
+    defects.sheetTriangles = once.ofSheets;
     for (std::size_t i = 0; i < out.source.size(); ++i) {
       out.mesh.triangles[i] = mesh.triangles[out.source[i]];
     }

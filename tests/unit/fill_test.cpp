@@ -17,6 +17,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -323,6 +324,55 @@ TEST(Fill, DoubledTrianglesCountOnce) {
   EXPECT_EQ(voxelsOf(solid), voxelsOf(voxelize(ball, {.resolution = 32})));
   EXPECT_EQ(solid.report.defects.duplicateTriangles, (ball.triangles.size() + 4) / 5);
   EXPECT_GT(solid.report.defects.nonManifoldEdges, 0u);
+}
+
+// Every face from both sides, as some programs export all of a model.
+TEST(Fill, ASurfaceWithBothSidesIsSolid) {
+  const TriangleMesh ball = shapes::ball(1.0, 3);
+  TriangleMesh both = ball;
+  for (const glm::uvec3& t : ball.triangles) both.triangles.emplace_back(t.z, t.y, t.x);
+  TriangleMesh mixed = both;  // either side first
+  for (std::size_t i = 0; i < ball.triangles.size(); i += 3) {
+    std::swap(mixed.triangles[i], mixed.triangles[i + ball.triangles.size()]);
+  }
+  for (const TriangleMesh& mesh : {both, mixed}) {
+    const Solid solid = voxelize(mesh, {.resolution = 32});
+    EXPECT_EQ(voxelsOf(solid), voxelsOf(voxelize(ball, {.resolution = 32})));
+    EXPECT_EQ(solid.report.fill, Fill::winding);
+    EXPECT_EQ(solid.report.defects.duplicateTriangles, ball.triangles.size());
+    EXPECT_EQ(solid.report.defects.sheetTriangles, 0u);
+  }
+}
+
+TEST(Fill, SheetsWithBothSidesAreCounted) {
+  TriangleMesh tree = shapes::cube(2.0);
+  for (std::uint32_t leaf = 0; leaf < 5; ++leaf) {
+    const auto first = static_cast<std::uint32_t>(tree.vertices.size());
+    const double x = 0.3 * leaf;
+    tree.vertices.insert(tree.vertices.end(), {{x, 1.5, 0}, {x + 0.2, 1.5, 0}, {x, 1.9, 0.1}});
+    tree.triangles.insert(tree.triangles.end(),
+                          {{first, first + 1, first + 2}, {first + 2, first + 1, first}});
+  }
+  const Solid solid = voxelize(tree, {.voxelSize = 0.1});
+  EXPECT_EQ(solid.report.defects.sheetTriangles, 10u);
+  EXPECT_EQ(solid.report.defects.duplicateTriangles, 10u);
+  EXPECT_EQ(solid.voxels, voxelize(shapes::cube(2.0), {.voxelSize = 0.1}).voxels);
+}
+
+TEST(Fill, AWallBetweenBodiesIsNoSheet) {
+  // Two cubes with the corners of their common face, which both have.
+  const TriangleMesh cube = shapes::cube(1.0);
+  TriangleMesh both = shapes::append(cube, shapes::transformed(cube, 1.0, {1.0, 0.0, 0.0}));
+  std::map<std::tuple<double, double, double>, std::uint32_t> at;
+  std::vector<std::uint32_t> number;
+  for (const glm::dvec3& v : both.vertices) {
+    number.push_back(
+        at.try_emplace({v.x, v.y, v.z}, static_cast<std::uint32_t>(number.size())).first->second);
+  }
+  for (glm::uvec3& t : both.triangles) t = {number[t.x], number[t.y], number[t.z]};
+  const Solid solid = voxelize(both, {.voxelSize = 0.1});
+  EXPECT_EQ(solid.report.defects.sheetTriangles, 0u);
+  EXPECT_NEAR(volumeOf(solid), 2.0, 0.02);
 }
 
 // Two tetrahedra on the same side of a triangle, which both have: without its copy neither would be

@@ -21,9 +21,11 @@ def sentences(name, manifest):
     turned = get("flipped_triangles") or get("misoriented_edges")
     if turned:
         found.append(f"faces of {name} were turned around, to agree with their neighbors")
-    dropped = get("degenerate_triangles") + get("zero_area_triangles") + get("duplicate_triangles")
+    dropped = get("degenerate_triangles") + get("zero_area_triangles") + get("duplicate_triangles") - get("sheet_triangles")
     if dropped:
         found.append(f"{counted(dropped, 'face')} of {name} without area or repeated were left out")
+    if get("sheet_triangles") and report.get("fill") != "shell":
+        found.append(f"{counted(get('sheet_triangles'), 'face')} of {name} on both sides of sheets, as of leaves, enclose nothing and were left out")
     if get("bridges"):
         found.append(f"walls of {name} thinner than a voxel were thickened ({counted(get('bridges'), 'voxel')})")
     if get("near_bodies"):
