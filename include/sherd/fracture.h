@@ -68,6 +68,10 @@ inline constexpr int kMostExactPieces = 1000;
 /// more than kMostExactPieces.
 [[nodiscard]] Surface surfaceOf(const FractureOptions& options);
 
+/// Returns options.shares; where there are impacts, which set the sizes of pieces, without sizes
+/// that the material draws.
+[[nodiscard]] ShareOptions sharesOf(const FractureOptions& options);
+
 /// Returns the options of the paper's section 4.1: 128 voxels, uniform seeds, two extra seeds per
 /// fragment merged by the Chebyshev metric, a flood over 6 neighbors, no erosion, meshes of the
 /// labels, smoothed for 0.048 iterations per voxel of the longest side, with weights of 0.2 at

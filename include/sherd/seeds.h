@@ -110,11 +110,12 @@ struct Ray {
 struct Impact {
   struct Anywhere {};  ///< a random point of the surface
 
-  /// The point of the surface: random, the nearest to a point, or the first on a ray.  Without a
-  /// mesh it is the center of a surface voxel (ties: lowest x, then y, then z).
+  /// The point of the surface: random, the nearest to a point, from which fracture() refuses one
+  /// that is farther than kMostImpactDistance, or the first on a ray.  Without a mesh it is the
+  /// center of a surface voxel (ties: lowest x, then y, then z).
   std::variant<Anywhere, glm::dvec3, Ray> target{};
   /// Seeds.  0: all such impacts share half of the pieces beyond one per component, at least 1
-  /// each.
+  /// each.  Counts that take all pieces include the one that each component has besides.
   int count = 0;
   double sigma = 0.0;  ///< standard deviation per axis, world units; 0: from bias
   /// The paper's n, 1..kMaxBias: sum of n uniforms over the box's side / n, so the standard
@@ -136,6 +137,9 @@ struct Impact {
   std::variant<Anywhere, glm::dvec3, Ray> given{};
 };
 inline constexpr int kMaxBias = 1000;
+
+/// How far the point of an impact may be from the surface, in longest sides of the solid.
+inline constexpr double kMostImpactDistance = 0.05;
 
 /// A seed given by the user.
 struct SeedPoint {

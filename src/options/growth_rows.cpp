@@ -229,7 +229,7 @@ const Row kGrowthRows[]{
      .value = V::custom(
          OptionType::text, "grown|uniform|lognormal:s|power:t|exponential",
          [](RunOptions& o, const std::string& text) { setSizes(kShares(o), text); },
-         [](R o) { return sizesText(kShares(o)); }),
+         [](R o) { return sizesText(sharesOf(o.fracture)); }),
      .help = "Sizes of fragments: as grown, or drawn: all equal, lognormal:s, power:t, exponential",
      .details =
          "sizes of the fragments: as they grow, or shares that are drawn and met: all equal; "
@@ -237,7 +237,7 @@ const Row kGrowthRows[]{
          "that falls as size^-t (t of 1 to 4) over a factor of 1,000; exponential "
          "([growth.md](growth.md#sizes))",
      .key = "sizes",
-     .recorded = [](R o) { return o.fracture.shares.sizes != Sizes::grown; },
+     .recorded = [](R o) { return sharesOf(o.fracture).sizes != Sizes::grown; },
      .drawn = true},
     {.name = "min-share",
      .group = "Growth",

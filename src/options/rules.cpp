@@ -186,7 +186,7 @@ std::vector<Rule> growthRules() {
       {{"impact", "impacts"},
        Verdict::idle,
        [](O o, U) {
-         return ruleOf(o.fracture.grow.growth).splits && o.fracture.shares.sizes != Sizes::grown;
+         return ruleOf(o.fracture.grow.growth).splits && sharesOf(o.fracture).sizes != Sizes::grown;
        },
        "does nothing with {growth} sequential and {sizes}, which draws sizes anywhere",
        {"growth", "sizes"}},
@@ -194,13 +194,12 @@ std::vector<Rule> growthRules() {
        Verdict::idle,
        [](O o, U) {
          const std::vector<Impact>& impacts = o.fracture.seeds.impacts;
-         return ruleOf(o.fracture.grow.growth).splits && o.fracture.shares.sizes == Sizes::grown &&
-                std::any_of(impacts.begin(), impacts.end(), [](const Impact& impact) {
-                  return impact.merge || (impact.count > 0 && impact.energy == 0.0);
-                });
+         return ruleOf(o.fracture.grow.growth).splits &&
+                sharesOf(o.fracture).sizes == Sizes::grown &&
+                std::any_of(impacts.begin(), impacts.end(),
+                            [](const Impact& impact) { return impact.merge; });
        },
-       "makes pieces small around its point with {growth} sequential: a count does nothing there "
-       "without an energy, and merge nothing at all",
+       "makes no further seeds with {growth} sequential, which has none: merge does nothing there",
        {"growth"}},
   };
 }

@@ -283,13 +283,16 @@ const Row kSeedRows[]{
          }),
      .help = "An impact at x,y,z or ray:ox,oy,oz,dx,dy,dz, then ,count ,sigma (world units, or "
              "n=5 as the paper's bias) ,energy=E ,merge; repeatable",
-     .details = "an impact at `x,y,z` or `ray:ox,oy,oz,dx,dy,dz`, then optionally "
-                "`,count` `,sigma` `,energy=E` `,merge`; may be repeated: `count` of the fragments "
-                "come from seeds scattered around the point, `sigma` being their "
-                "standard deviation in the mesh's unit, or the paper's bias as `n=5` "
-                "(side / sqrt(12 n)); with an energy (0.01 to 100) a thin wall breaks by 8 E^(1/4) "
-                "radial cracks and 3 E^(1/4) rings, `sigma` being the radius of the last; with "
-                "`merge` the seeds go to existing fragments instead",
+     .details =
+         "an impact at `x,y,z` or `ray:ox,oy,oz,dx,dy,dz`, then optionally "
+         "`,count` `,sigma` `,energy=E` `,merge`; may be repeated: `count` of the fragments "
+         "come from seeds scattered around the point, `sigma` being their "
+         "standard deviation in the mesh's unit, or the paper's bias as `n=5` "
+         "(side / sqrt(12 n)); with an energy (0.01 to 100) a thin wall breaks by 8 E^(1/4) "
+         "radial cracks and 3 E^(1/4) rings, `sigma` being the radius of the last; with "
+         "`merge` the seeds go to existing fragments instead.  Sizes that the material draws "
+         "give way to it.  With `--growth sequential` a count without an energy has one of 1.  "
+         "A point farther from the surface than 5 % of the longest side is an error",
      .key = "seeds.impacts",
      .recorded = drawsSeeds,
      .repeats = true,

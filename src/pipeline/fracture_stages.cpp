@@ -15,6 +15,7 @@
 #include "pipeline/guide_surfaces.h"
 #include "seed/distinct_middles.h"
 #include "seed/fragment_ids.h"
+#include "seed/impacts.h"
 #include "seed/leaf_densities.h"
 #include "seed/split_impacts.h"
 #include "seed/wall.h"
@@ -104,6 +105,18 @@ Surface surfaceOf(const FractureOptions& options) {
   return isAutomatic && isSmooth ? Surface::smooth : surfaceOf(options.surface);
 }
 
+ShareOptions sharesOf(const FractureOptions& options) {
+  ShareOptions shares = options.shares;
+  const bool isHit = !options.seeds.impacts.empty() || options.seeds.randomImpacts > 0;
+  if (!isHit || options.material == MaterialPreset::none) return shares;
+  const ShareOptions own = materialOptions(options.material).shares;
+  if (shares.sizes == own.sizes && shares.sizeParameter == own.sizeParameter) {
+    shares.sizes = Sizes::grown;
+    shares.sizeParameter = 0.0;
+  }
+  return shares;
+}
+
 void checkOptions(const FractureOptions& options) {
   if (options.surface.surface == Surface::exact && options.erode.on == ErodeOn::all &&
       !options.erode.iterations.isZero()) {
@@ -172,7 +185,11 @@ namespace {
 SequentialFracture sequentialOf(const FractureOptions& options, const Solid& solid,
                                 const VoxelComponents& components, std::uint64_t seed) {
   const std::size_t fragments = countFragments(components, options.pieces);
-  const SeedOptions seeds = seedOptionsFor(options, seed);
+  SeedOptions seeds = seedOptionsFor(options, seed);
+  for (Impact& impact : seeds.impacts) {
+    // Splits have no seeds that could scatter: as many pieces come of the pattern of an energy.
+    if (impact.count > 0 && impact.energy == 0.0 && !impact.merge) impact.energy = 1.0;
+  }
   return {fragments, seed, leafDensities(solid, components, seeds, fragments),
           splitImpacts(solid, components, seeds, fragments), seedsOnFor(options, solid, fragments)};
 }
@@ -192,7 +209,7 @@ void raiseSmall(Labels& labels, std::vector<Seed>& seeds, const FractureOptions&
   for (const auto& [id, place] : changed) {
     if (place == kNoVoxel) continue;
     const auto own = std::find_if(seeds.begin(), seeds.end(),
-                                  [&](const Seed& seed) { return seed.fragment == id; });
+                                  [&, id = id](const Seed& seed) { return seed.fragment == id; });
     if (own != seeds.end()) *own = {.voxel = blocks.voxelAt(place), .fragment = id};
   }
   labels = extendLabels(std::move(labels), device, options.grow.outerSteps);
@@ -208,14 +225,15 @@ SeededLabels grownFor(const FractureOptions& options, const Solid& solid,
   if (ruleOf(grow.growth).splits) {
     const SequentialFracture fracture = sequentialOf(options, solid, components, seed);
     return std::move(growSequential(solid, walls, components, std::span(&fracture, 1), device, grow,
-                                    options.shares, sidesOf(options.guides, solid, progress),
+                                    sharesOf(options), sidesOf(options.guides, solid, progress),
                                     progress)
                          .front());
   }
   const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds));
   grow.walls = {middlesFor(options, solid, fragments, walls, progress)};
   return growWithShares(solid, components, std::move(seeds), device,
-                        {grow, options.shares, seed, options.seeds.density.field.get()}, progress);
+                        {grow, sharesOf(options), seed, options.seeds.density.field.get()},
+                        progress);
 }
 
 }  // namespace
@@ -256,6 +274,7 @@ GrownFracture seeded(const PreparedSolid& ready, const FractureOptions& options,
     throw Error(ErrorCode::usage, "a growth that splits the solid has no seeds that can be given",
                 OptionNames{"seeds", "growth"});
   }
+  requireNearImpacts(ready.solid, options.seeds.impacts);
   if (given) {
     result.seeds = seedsAt(*given, ready, options.seed);
     result.seedsOn =
@@ -315,7 +334,7 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
   const GuideSides sides = sidesOf(guides, ready.solid, progress);
   std::vector<Labels> labels;
   for (SeededLabels& grown : growSequential(ready.solid, walls, ready.components, fractures, device,
-                                            together, options.front().shares, sides, progress)) {
+                                            together, sharesOf(options.front()), sides, progress)) {
     FractureResult& result = all[labels.size()].result;
     result.guideWarnings =
         guideWarnings(guides, grown.guide, grown.guided, grown.labels.splits.size());
@@ -347,8 +366,8 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   const auto walls = areKept ? ready.walls : std::make_shared<SolidWalls>(ready.solid);
   if (ruleOf(together.growth).splits) {
     labels = splitTogether(ready, all, options, together, *walls, device, progress);
-  } else if (options.front()
-                 .shares.isAny()) {  // how often each has to grow depends on what comes out
+  } else if (sharesOf(options.front()).isAny()) {
+    // How often each has to grow depends on what comes out.
     for (std::size_t i = 0; i < all.size(); ++i) {
       SeededLabels one = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),
                                  options[i].seed, *walls, device, progress);

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "base/cancel_flag.h"
+#include "base/formatted.h"
 #include "base/random.h"
 #include "seed/impact_rings.h"
 #include "seed/irwin_hall.h"
@@ -175,6 +177,22 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
     aimedImpacts.push_back(aimedImpact);
   }
   return aimedImpacts;
+}
+
+void requireNearImpacts(const Solid& solid, std::span<const Impact> impacts) {
+  std::optional<VoxelIndex> surface;
+  const std::vector<std::uint64_t> mask = surfaceMask(*solid.blocks);
+  for (std::size_t i = 0; i < impacts.size(); ++i) {
+    const auto* const target = std::get_if<glm::dvec3>(&impacts[i].target);
+    if (target == nullptr) continue;
+    if (!surface) surface.emplace(*solid.blocks, mask);
+    const glm::dvec3 center = pointNearest(*target, i, solid, *surface);
+    const double apart = glm::distance(solid.frame.indexFromWorld(*target), center);
+    if (apart <= kMostImpactDistance * solid.box.longestSide()) continue;
+    throw usageError(i, ": its point is " + formatted("%.4g", apart * solid.frame.voxelSize) +
+                            " from the surface, more than 5 % of the longest side; give a point "
+                            "of the surface, or a ray that meets it");
+  }
 }
 
 void scatter(const AimedImpact& aimedImpact, std::size_t number, const Candidates& candidates,

@@ -3,6 +3,7 @@
 
 #include <sherd/seeds.h>
 
+#include <span>
 #include <vector>
 
 #include "seed/impact_rings.h"
@@ -30,6 +31,11 @@ struct AimedImpact {
 [[nodiscard]] std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& components,
                                            const SeedOptions& options, std::size_t pieces,
                                            const VoxelIndex& inside, const VoxelIndex& surface);
+
+/// Refuses points that are farther from the surface than kMostImpactDistance: they are not meant
+/// for where they would strike.
+///   throws  Error(usage) with the distance
+void requireNearImpacts(const Solid& solid, std::span<const Impact> impacts);
 
 /// Adds the seeds of an impact.
 ///   number       index of the impact from 0; each has its own random sequence

@@ -19,17 +19,28 @@
 namespace sherd {
 namespace {
 
-// Checks that the seeds of impacts and one seed per component fit into the number of pieces.
-void checkImpactsFit(const std::vector<AimedImpact>& aimedImpacts,
-                     const VoxelComponents& components, const SeedOptions& options) {
+// Fits the seeds of impacts and one seed per component into the number of pieces: where impacts
+// have all pieces, theirs include those of the components, and the last ones have fewer seeds.
+void fitImpacts(std::vector<AimedImpact>& aimedImpacts, const VoxelComponents& components,
+                const SeedOptions& options) {
+  const auto pieces = static_cast<std::size_t>(options.pieces);
   std::size_t count = 0;
   for (const AimedImpact& aimedImpact : aimedImpacts)
     count += aimedImpact.merge ? 0 : aimedImpact.count;
-  if (count == 0 || count + components.count() <= static_cast<std::size_t>(options.pieces)) return;
+  if (count == 0 || count + components.count() <= pieces) return;
+  std::size_t surplus = count + components.count() - pieces;
+  for (std::size_t i = aimedImpacts.size(); count <= pieces && surplus > 0 && i-- > 0;) {
+    if (aimedImpacts[i].merge) continue;
+    const std::size_t less = std::min(surplus, aimedImpacts[i].count);
+    aimedImpacts[i].count -= less;
+    surplus -= less;
+  }
+  if (surplus == 0) return;
   throw Error(ErrorCode::usage,
-              "the impacts make " + std::to_string(count) +
-                  " pieces in addition to one for each of " + std::to_string(components.count()) +
-                  " connected components, but the fracture has " + std::to_string(options.pieces) +
+              "the impacts make " + std::to_string(count) + " pieces of a solid of " +
+                  std::to_string(components.count()) +
+                  (components.count() == 1 ? " component" : " components") +
+                  ", but the fracture has " + std::to_string(options.pieces) +
                   "; try more pieces, or let the impacts merge",
               OptionNames{"pieces"});
 }
@@ -121,10 +132,10 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   const auto extra = static_cast<std::size_t>(options.extraSeeds) +
                      static_cast<std::size_t>(options.extraSeedsPerPiece) * pieces;
   checkRoom(pieces, extra, voxels, options);
-  const std::vector<AimedImpact> aimedImpacts =
+  std::vector<AimedImpact> aimedImpacts =
       impacts ? aim(solid, components, options, pieces, inside, onSurface)
               : std::vector<AimedImpact>{};
-  checkImpactsFit(aimedImpacts, components, options);
+  fitImpacts(aimedImpacts, components, options);
   const std::size_t merged = std::accumulate(
       aimedImpacts.begin(), aimedImpacts.end(), std::size_t{0},
       [](std::size_t sum, const AimedImpact& b) { return sum + (b.merge ? b.count : 0); });

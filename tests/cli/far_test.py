@@ -231,14 +231,13 @@ class FarFromTheOrigin(CommandLine):
         """Bit for bit: moved to the origin and back, most of these numbers would lose their last bits."""
         far = [500005.1, 4500000.3, 102.7]
         near = [0.1, 1 / 3, -7.3e-9]
+        self.done("--write", "labels", "--impact", ",".join(map(repr, [*far, 1])), "--recenter", mesh=self.far)
+        self.assertEqual(self.manifest()["options"]["seeds"]["impacts"][0]["point"], far)
         for point in (far, near):
-            text = ",".join(map(repr, point))
             toward = list(UTM - point)
             ray = ",".join(map(repr, [*point, *map(float, toward)]))
-            self.done("--write", "labels", "--impact", f"{text},1", "--impact", f"ray:{ray},1", "--recenter", mesh=self.far)
-            impacts = self.manifest()["options"]["seeds"]["impacts"]
-            self.assertEqual(impacts[0]["point"], point)
-            self.assertEqual(impacts[1]["ray"], {"origin": point, "direction": toward})
+            self.done("--write", "labels", "--impact", f"ray:{ray},1", "--recenter", mesh=self.far)
+            self.assertEqual(self.manifest()["options"]["seeds"]["impacts"][0]["ray"], {"origin": point, "direction": toward})
 
     def test_a_recentered_fracture_is_broken_again_and_measured(self):
         one, other = self.path_of("one"), self.path_of("other")

@@ -89,13 +89,24 @@ class Seeds(Options):
         self.assertNotIn("size_spread", self.broken("--extra-seeds", "8n")["options"]["seeds"])
 
     def test_impacts_scatter_seeds_where_they_strike(self):
-        for impact in ("1,0,0,6,0.1", "9,0,0,6,0.1", "ray:9,0,0,-2,0,0,6,0.1"):
+        for impact in ("1,0,0,6,0.1", "1.05,0,0,6,0.1", "ray:9,0,0,-2,0,0,6,0.1"):
             manifest = self.broken("--impact", impact)
             near = [s for s in self.seeds(manifest) if math.dist(s, (1, 0, 0)) < 0.45]
             self.assertGreaterEqual(len(near), 6)
             self.assertEqual(len(self.seeds(manifest)), 12)
             reported = manifest["options"]["seeds"]["impacts"]
             self.assertEqual([(i["count"], i["sigma"], i["merge"]) for i in reported], [(6, 0.1, False)])
+
+    def test_a_point_far_from_the_surface_is_refused_with_its_distance(self):
+        for point, apart in (("9,0,0", "8"), ("0,0,0", "0.99"), ("0,1.2,0", "0.2")):
+            result = self.fracture("--impact", f"{point},6,0.1", pieces=12)
+            self.refused(2, result, f"is {apart}", "of the surface")
+
+    def test_an_impact_may_have_all_pieces(self):
+        for count in ("11", "12"):
+            manifest = self.broken("--impact", f"1,0,0,{count},0.1")
+            self.assertEqual(len(self.seeds(manifest)), 12)
+        self.refused(2, self.fracture("--impact", "1,0,0,13,0.1", pieces=12), "13 pieces")
 
     def test_impacts_that_merge_make_no_fragments(self):
         manifest = self.broken("--impact", "1,0,0,6,n=9,merge", "--impact", "0,0,1,3,merge")
@@ -469,10 +480,10 @@ class WrongValues(Options):
                     self.nothing_written()
 
     def test_what_cannot_be_done_on_this_solid(self):
-        for options, word in ((("--impacts", "12"), "--pieces"), (("--impact", "0,0,0,12"), "--pieces"),
+        for options, word in ((("--impacts", "13"), "--pieces"), (("--impact", "1,0,0,13"), "--pieces"),
                               (("--impact", "ray:9,9,9,1,0,0"), "misses"),
                               (("--impact", "ray:9,0,0,0,0,0"), "direction"),
-                              (("--impact", "0,0,0,60000,merge"), "further seeds"),
+                              (("--impact", "1,0,0,60000,merge"), "further seeds"),
                               (("--extra-seeds", "100000"), "voxels"),
                               (("--extra-seeds", "17000", "--seeds-on", "surface"), "surface voxels"),
                               (("--min-share", "0.09"), "9 %"), (("--min-share", "0.0833"), "--balance"),
@@ -606,7 +617,7 @@ class SameBytes(Options):
                  "--min-share", "0.001"),
                 ("--growth", "flood", "--neighborhood", "26", "--sampler", "gaussian", "--grain", "0,0,1,-0.5",
                  "--erode-iterations", "1", "--erode-on", "all", "--erode-shape", "square", "--erode-islands", "keep"),
-                ("--growth", "nearest", "--metric", "chebyshev", "--impact", "0,0,0,4,n=20,merge",
+                ("--growth", "nearest", "--metric", "chebyshev", "--impact", "ray:9,0.3,0,-1,0,0,4,n=20,merge",
                  "--isolated", "keep"))
         for options in sets:
             trees = []

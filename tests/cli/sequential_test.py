@@ -4,6 +4,7 @@
 Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy and python3-scipy.
 """
 import json
+import math
 import os
 import pathlib
 
@@ -158,11 +159,37 @@ class Sequential(CommandLine):
         self.assertEqual(len(np.unique(own[~near])), 5)
 
     def test_what_impacts_do_not_do_is_said(self):
-        for impact, warns in (("0,0,0,4", True), ("0,0,0,energy=1,merge", True), ("0,0,0,energy=1", False), ("0,0,0", False)):
+        for impact, warns in (("0,0,0,4", False), ("0,0,0,energy=1,merge", True), ("0,0,0,energy=1", False), ("0,0,0", False)):
             result = self.run_sherd("fracture", AMPHORA, "-o", self.path(impact), "--growth", "sequential", "--pieces", "9", "--resolution", "32",
                                     "--impact", impact)
             self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertEqual("makes pieces small around its point" in result.stderr, warns, result.stderr)
+            self.assertEqual("merge does nothing there" in result.stderr, warns, result.stderr)
+
+    def test_a_count_is_met_by_the_cracks_of_an_impact(self):
+        plate = self.path("plate.obj")
+        box(plate, (0, 0, 0), (1, 1, 0.05))
+        _, given = self.broken("--impact", "0.5,0.5,0.05,20", mesh=plate, pieces=25, resolution=80)
+        _, energetic = self.broken("--impact", "0.5,0.5,0.05,20,energy=1", mesh=plate, pieces=25, resolution=80, out=self.path("energetic"))
+        np.testing.assert_array_equal(given, energetic)
+
+    def test_impacts_come_before_the_sizes_of_a_material(self):
+        """Pieces of glass are drawn from a distribution, but where it is hit; sizes that are given stay."""
+        plate = self.path("plate.obj")
+        box(plate, (0, 0, 0), (1, 1, 0.05))
+        for material in ("glass", "tempered"):
+            hit = ("--material", material, "--impact", "0.5,0.5,0.05,energy=1")
+            result = self.run_sherd("fracture", plate, "-o", self.path(material), "--pieces", "80", "--resolution", "96", *hit)
+            self.assertEqual((result.returncode, result.stderr.count("does nothing")), (0, 0), result.stderr)
+            manifest = self.manifest(self.path(material))
+            self.assertNotIn("sizes", manifest["options"])
+            far = [math.dist(f["centroid"][:2], (0.5, 0.5)) for f in manifest["fragments"]]
+            small = np.array(far)[np.argsort([f["voxels"] for f in manifest["fragments"]])[:40]]
+            self.assertLess(np.median(small), 0.25, material)  # 0.38 of points anywhere
+            unhit = self.run_sherd("fracture", plate, "-o", self.path("unhit " + material), "--pieces", "80", "--resolution", "96", *hit[:2])
+            self.assertEqual(unhit.returncode, 0)
+            self.assertIn("sizes", self.manifest(self.path("unhit " + material))["options"])
+        self.assertIn("sizes", self.broken("--material", "glass", "--sizes", "exponential", "--impact", "0.5,0.5,0.05,energy=1", mesh=plate,
+                                           pieces=20, out=self.path("given"))[0]["options"])
 
     def test_cracks_are_the_same_at_twice_the_resolution(self):
         block = self.path("block.obj")

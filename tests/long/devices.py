@@ -28,7 +28,7 @@ FRACTURES = [  # mesh, options
     ("amphora.ply", "--roughness 1.5,0.7 --points 500 --point-format ply,xyz,npz,binp"),
     ("amphora.ply", "--erode-iterations 2 --erode-size 5 --erode-probability 0.7"),
     ("amphora.ply", "--erode-iterations 1 --erode-shape square --erode-on all --erode-planes --erode-islands keep"),
-    ("amphora.ply", "--impact 0,0.5,0,3 --impacts 2 --pieces 12"),
+    ("amphora.ply", "--impact ray:0,0.2,1,0,0,-1,3 --impacts 2 --pieces 12"),
     ("amphora.ply", "--sampler halton --seeds-on surface --balance 4 --min-share 0.02"),
     ("amphora.ply", "--sampler poisson --missing 2 --drop-share 0.05 --pieces 15"),
     ("amphora.ply", "--surface labels --smooth-iterations 0.05k --smoothing laplacian --smooth-weight 0.9"),

@@ -28,7 +28,7 @@ SETS = [
     {"material": "plaster", "roughness": "1%", "grain": (0, 1, 0, 2)},
     {"sampler": "poisson", "seeds_on": "surface"},
     {"impacts": 2, "pieces": 7},
-    {"impact": [(0.0, 0.1, 0.0, 3), "ray:0,1,0,0,-1,0,2"], "pieces": 9},
+    {"impact": [(0.1357, 0.2515, 0.0, 3), "ray:0,1,0,0,-1,0,2"], "pieces": 9},
     {"min_share": 0.05, "balance": 2},
     {"erode_iterations": 2, "erode_probability": 0.5, "erode_shape": "square"},
     {"missing": 2, "drop_share": 0.01},
