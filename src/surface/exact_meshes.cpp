@@ -195,6 +195,7 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
       all.meshes[i] = std::move(surface.meshes[i]);
     }
   }
+  setPositions(all.meshes);
   return all;
 }
 
