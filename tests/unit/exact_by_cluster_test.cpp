@@ -348,6 +348,57 @@ TEST(ExactByCluster, BodiesNearerThanAVoxelHaveNoFacesInCommon) {
   EXPECT_NEAR(left, 8.0, 24.0 * h / 2);  // its surface may be half a voxel off
 }
 
+// The cubes are apart.  The mesh of a piece of one has lost half its faces, so that it can't be
+// cut.
+TEST(ExactByCluster, PiecesThatTouchOneThatCannotBeBrokenAgainAreSmooth) {
+  const TriangleMesh mesh = shapes::append(shapes::cube(2.0), box({3, -1, -1}, glm::dvec3(2.0)));
+  const FractureResult result = broken(mesh, exactOptions(8, 50));
+  ASSERT_TRUE(result.exactFailure.empty() && result.smooth.empty());
+  FinishedFracture finished;
+  finished.solid = result.solid;
+  finished.labels = result.labels;
+  finished.isExact = true;
+  finished.firstFace.push_back(0);
+  int bad = 0, good = 0;
+  for (const Fragment& fragment : result.fragments) {
+    const bool isLeft = fragment.mass.centroid.x < 2.0;
+    int& first = isLeft ? bad : good;
+    TriangleMesh own = fragment.mesh;
+    if (first == 0 && isLeft) {
+      own.triangles.clear();
+      own.neighbor.clear();
+    }
+    if (first == 0) first = fragment.id;
+    const auto base = static_cast<std::uint32_t>(finished.faces.vertices.size());
+    finished.faces.vertices.insert(finished.faces.vertices.end(), own.vertices.begin(),
+                                   own.vertices.end());
+    for (const glm::uvec3& t : own.triangles) finished.faces.triangles.push_back(t + base);
+    finished.faces.neighbor.insert(finished.faces.neighbor.end(), own.neighbor.begin(),
+                                   own.neighbor.end());
+    finished.firstFace.push_back(finished.faces.triangles.size());
+  }
+  Device device("builtin");
+  FractureOptions options = exactOptions(3, 50);
+  const std::array<int, 2> only{bad, good};
+  const FractureResult again = refracture(finished, only, options, device);
+  ASSERT_EQ(again.exactFailure, "");
+  ASSERT_EQ(again.smooth.size(), 1u);
+  EXPECT_EQ(again.smooth[0].reason.find("fragment " + std::to_string(bad) + ": "), 0u)
+      << again.smooth[0].reason;
+  double right = 0.0;
+  for (const Fragment& fragment : again.fragments) {
+    const bool isLeft = fragment.mass.centroid.x < 2.0;
+    EXPECT_EQ(fragment.meshedAs, isLeft ? Surface::smooth : Surface::exact);
+    EXPECT_EQ(openEdges(fragment.mesh), 0u);
+    for (const std::uint16_t neighbor : fragment.mesh.neighbor) {
+      if (neighbor == 0) continue;
+      EXPECT_EQ(again.fragments[neighbor - 1u].meshedAs, fragment.meshedAs);
+    }
+    if (!isLeft) right += fragment.mass.volume;
+  }
+  EXPECT_NEAR(right, 8.0, 1e-9);
+}
+
 // --- clusters
 
 struct Clustered {
