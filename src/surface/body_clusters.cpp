@@ -3,14 +3,11 @@
 #include "surface/body_clusters.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "base/cancel_flag.h"
@@ -19,7 +16,6 @@
 #include "mesh/triangle_tree.h"
 #include "surface/label_reader.h"
 #include "surface/nearest_label.h"
-#include "surface/vertex_numbers.h"
 #include "voxelize/leaf_blocks.h"
 #include "voxelize/leaf_masks.h"
 
