@@ -111,13 +111,14 @@ struct FractureResult {
   std::shared_ptr<const FragmentSurfaces>
       unmerged{};              ///< with SurfaceOptions::points, if triangles of meshes are merged
   std::string exactFailure{};  ///< why Surface::exact was replaced by Surface::smooth, as a clause;
-                               ///< empty if it was not
-  UnitedBodies united{};       ///< of Surface::exact
-  std::size_t withheld = 0;    ///< the last `withheld` fragments are withheld
-  std::vector<int> parents;    ///< [fragments] of refracture: id of the old fragment that
-                               ///< each comes from; else empty
-  double sizeError = 0.0;      ///< with ShareOptions::sizes, the greatest difference of a grown
-                               ///< share from the one drawn for it, divided by that
+                               ///< empty if it was not, or only where `smooth` says so
+  std::vector<SmoothBodies> smooth{};  ///< where Surface::exact was replaced and others have it
+  UnitedBodies united{};               ///< of Surface::exact
+  std::size_t withheld = 0;            ///< the last `withheld` fragments are withheld
+  std::vector<int> parents;            ///< [fragments] of refracture: id of the old fragment that
+                                       ///< each comes from; else empty
+  double sizeError = 0.0;  ///< with ShareOptions::sizes, the greatest difference of a grown
+                           ///< share from the one drawn for it, divided by that
   std::vector<std::string> guideWarnings{};  ///< a sentence for each of FractureOptions::guides
                                              ///< that splits nothing, or of which a part does not
   std::vector<StageTime> times;
@@ -168,7 +169,7 @@ struct FinishedFracture {
   /// until readFragmentMeshes.
   TriangleMesh faces{};
   std::vector<std::size_t> firstFace{};  ///< [fragments + 1]
-  bool isExact = false;  ///< all fragments have exact surfaces; Surface::automatic then cuts them
+  bool isExact = false;  ///< some fragments have exact surfaces; Surface::automatic then cuts them
 };
 
 /// Breaks some fragments again, each into options.pieces; the others stay.  Options of the whole

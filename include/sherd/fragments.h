@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace sherd {
@@ -33,7 +34,8 @@ enum class Surface {
            ///< and vertex-manifold and stays so if a program merges equal vertices.
   exact,   ///< the input's own triangles, cut by the cracks: outside the cracks every vertex and
            ///< triangle stays as it is, bit for bit.  Needs Solid::mesh, whose holes are closed by
-           ///< faces of their own; where it does not succeed, all fragments get Surface::smooth
+           ///< faces of their own; where it does not succeed, fragments of the bodies concerned get
+           ///< Surface::smooth, see SmoothBodies
   automatic  ///< exact, or smooth where the input is no mesh or the other options ask for what
              ///< exact surfaces do not have, see surfaceOf
 };
@@ -196,6 +198,14 @@ struct Fragment {
   std::vector<TriangleMesh>
       coarse{};  ///< [SurfaceOptions::triangles] decimated meshes, with neighbors
   std::vector<CutFace> cutFaces{};  ///< ascending; none where the mesh was simplified afterwards
+};
+
+/// Bodies of the input whose fragments have Surface::smooth, since Surface::exact fails for them
+/// and succeeds for others.
+struct SmoothBodies {
+  std::string reason{};                    ///< a clause
+  std::vector<int> fragments{};            ///< ids, ascending
+  std::vector<std::uint32_t> triangles{};  ///< of the input, ascending
 };
 
 /// Returns a fragment's mesh with its cut faces whole, as it is without attributes of the input.

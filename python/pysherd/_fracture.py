@@ -78,8 +78,8 @@ class Fracture(Sequence[Fragment]):
         kept = self.__dict__.setdefault("_kept", {})
         if meshes not in kept:
             kept[meshes] = file_errors(_core.fragments(self._core, meshes), progress, self._is_loaded)
-            if meshes and self._core.exact_failure:
-                warn([self._core.exact_failure + ", so fragments have the smooth surface instead of the exact one"])
+            if meshes and self._core.smooth_text:
+                warn([self._core.smooth_text])
             if meshes and self._core.united_text:
                 warn([self._core.united_text])
         return kept[meshes]

@@ -220,7 +220,7 @@ void bindFractures(nb::module_& module) {
   nb::class_<Fracture>(module, "Fracture")
       .def_prop_ro("count", &Fracture::count)
       .def_prop_ro("seed", &Fracture::seed)
-      .def_prop_ro("exact_failure", &Fracture::exactFailure)
+      .def_prop_ro("smooth_text", &Fracture::smoothText)
       .def_prop_ro("united_text", &Fracture::unitedText)
       .def_prop_ro("guide_warnings", &Fracture::guideWarnings)
       .def_prop_ro("voxel_size", [](const Fracture& f) { return f.frame().voxelSize; })

@@ -212,7 +212,8 @@ const sherd::FragmentSurfaces* GrownPieces::surfaces(const Progress& progress) {
 std::vector<Fragment> GrownPieces::made(const Progress& progress) {
   sherd::ExtractedFragments extracted = extractAll(grown_.result.solid, grown_.result.labels,
                                                    grown_.extractOptions(surface(true)), &progress);
-  exactFailure_ = std::move(extracted.exactFailure);
+  smoothText_ = sherd::smoothText(solid_->source(), extracted.fragments.size(),
+                                  extracted.exactFailure, extracted.smooth);
   unitedText_ = sherd::unitedText(extracted.united);
   return std::move(extracted.fragments);
 }
@@ -231,9 +232,9 @@ std::vector<std::shared_ptr<std::vector<std::int32_t>>> GrownPieces::facesOf(
   return faces;
 }
 
-std::string GrownPieces::exactFailure() const {
+std::string GrownPieces::smoothText() const {
   const std::lock_guard lock(making_);
-  return exactFailure_;
+  return smoothText_;
 }
 
 std::string GrownPieces::unitedText() const {
@@ -264,10 +265,6 @@ std::vector<std::string> GrownPieces::save(const std::string& folder, sherd::Wri
       writeFracture(folder, solid_->source(), options, result, write, &progress);
   std::vector<std::string> warnings = meshWarnings(solid_->source(), result);
   warnings.insert(warnings.end(), written.warnings.begin(), written.warnings.end());
-  if (!result.exactFailure.empty()) {
-    warnings.push_back(result.exactFailure +
-                       ", so fragments have the smooth surface instead of the exact one");
-  }
   return warnings;
 }
 

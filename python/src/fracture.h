@@ -87,8 +87,9 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   [[nodiscard]] std::vector<sherd::SurfacePoints> points(PointChoice choice,
                                                          const sherd::Progress& progress);
 
-  /// Why exact surfaces were replaced by smooth ones, as a clause; empty if they were not.
-  [[nodiscard]] virtual std::string exactFailure() const { return {}; }
+  /// Returns which fragments have smooth surfaces instead of exact ones, and why, as a clause;
+  /// empty before meshes are made, and if none has.
+  [[nodiscard]] virtual std::string smoothText() const { return {}; }
 
   /// Returns what became of bodies of the input that overlap or touch, as a clause; empty before
   /// meshes are made, and where there are none.
@@ -147,7 +148,7 @@ class GrownPieces : public Fracture {
   [[nodiscard]] std::uint64_t seed() const override { return run_.fracture.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
   [[nodiscard]] const std::vector<sherd::Fragment>& sampled(const sherd::Progress&) override;
-  [[nodiscard]] std::string exactFailure() const override;
+  [[nodiscard]] std::string smoothText() const override;
   [[nodiscard]] std::string unitedText() const override;
   [[nodiscard]] std::vector<std::string> guideWarnings() const override {
     return grown_.result.guideWarnings;
@@ -177,7 +178,7 @@ class GrownPieces : public Fracture {
   sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of sampled()
   bool isMeasured_ = false;
   std::optional<bool> isMerged_;  // once it is known, guarded by making_
-  std::string exactFailure_, unitedText_;
+  std::string smoothText_, unitedText_;
 };
 
 /// A fracture read from its folder.

@@ -48,10 +48,6 @@ std::vector<std::string> warningsOf(const FractureSummary& summary) {
     }
   }
   warnings.insert(warnings.end(), result.guideWarnings.begin(), result.guideWarnings.end());
-  if (!result.exactFailure.empty()) {
-    warnings.push_back(summary.mesh + ": " + result.exactFailure +
-                       ", so the fragments have the smooth surface instead of the exact one");
-  }
   const Length& depth = summary.options.erode.iterations;
   const int side = result.solid.box.longestSide();
   if (depth.percent > 0.0 && depth.over(side) < 0.5 && result.eroded.front() == 0) {

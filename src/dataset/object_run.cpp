@@ -280,10 +280,8 @@ class ObjectRun {
     FractureResult result = extracted(std::move(growth->grown), options, &progress_);
     run_.times.add("extract", secondsSince(begin));
     work.surfaceWarning =
-        result.exactFailure.empty()
-            ? unitedText(result.united)
-            : result.exactFailure +
-                  ", so fragments have the smooth surface instead of the exact one";
+        smoothText(*source_, result.fragments.size(), result.exactFailure, result.smooth);
+    if (work.surfaceWarning.empty()) work.surfaceWarning = unitedText(result.united);
     if (options.surface.meshes) renderThumbnail(planned.name(), result);
     begin = Clock::now();
     keepDecimated(result);

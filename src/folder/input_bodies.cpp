@@ -60,6 +60,11 @@ InputBodies inputBodies(const FractureResult& result, const FractureOptions& opt
   for (std::uint32_t body = 0; body < bodies.size(); ++body) {
     for (const std::uint32_t t : bodies[body].source) found.ofTriangle[source[t]] = body;
   }
+  for (const SmoothBodies& smooth : result.smooth) {
+    TriangleMesh own;
+    own.source = smooth.triangles;
+    for (const int id : smooth.fragments) found.ofSmooth[id] = found.of(own);
+  }
   return found;
 }
 

@@ -4,6 +4,7 @@
 #include <sherd/fracture.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,10 @@ struct InputBodies {
   std::size_t count = 0;                    ///< 0 if the input has one, or surfaces are not exact
   std::size_t united = 0;                   ///< bodies that are left of those that overlap or touch
   std::vector<std::uint32_t> ofTriangle{};  ///< [triangles of the input] kNone of those left out
+
+  std::map<int, std::vector<std::uint32_t>> ofSmooth{};  ///< by id of a fragment with a smooth
+                                                         ///< surface beside exact ones: the bodies
+                                                         ///< that it may be of, ascending
 
   static constexpr std::uint32_t kNone = 0xffffffffu;
 

@@ -130,6 +130,18 @@ Json bodiesJson(const SourceMesh& source, const InputBodies& bodies) {
   return json;
 }
 
+// Why some fragments have smooth surfaces instead of exact ones.
+Json smoothJson(const SourceMesh& source, const std::vector<SmoothBodies>& smooth) {
+  Json all = Json::array();
+  for (const SmoothBodies& bodies : smooth) {
+    Json json = {{"reason", bodies.reason}, {"fragments", bodies.fragments}};
+    const std::vector<std::string> objects = objectsOf(source, bodies.triangles);
+    if (!objects.empty()) json["objects"] = objects;
+    all.push_back(std::move(json));
+  }
+  return all;
+}
+
 Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const FractureResult& result,
                   bool hasBodies, Json seeds, Json files) {
   const glm::dmat3& m = fragment.mass.inertia;
@@ -270,6 +282,9 @@ std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments, const Inpu
     if (fragments[i].meshedAs == Surface::exact) {
       facts[i].roundedCrossings = roundedCrossings(fragments[i].mesh);
       facts[i].bodies = bodies.of(fragments[i].mesh);
+    } else if (const auto own = bodies.ofSmooth.find(fragments[i].id);
+               own != bodies.ofSmooth.end()) {
+      facts[i].bodies = own->second;
     }
   });
   return facts;
@@ -312,6 +327,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     manifest["pieces_asked"] = options.pieces;
   }
   if (!result.exactFailure.empty()) manifest["exact_failure"] = result.exactFailure;
+  if (!result.smooth.empty()) manifest["smooth_bodies"] = smoothJson(source, result.smooth);
   if (write.offset) manifest["offset"] = jsonOf(*write.offset);
   manifest["grid"] = gridJson(source, options, result);
   const double unit = vdbUnitOf(result.solid.frame.voxelSize, write.vdbOptions.half);

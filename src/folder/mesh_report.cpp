@@ -1,7 +1,9 @@
 // Report of a mesh's defects and repairs.
 #include "folder/mesh_report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "base/formatted.h"
@@ -71,6 +73,21 @@ std::string titleOf(const SourceMesh& source) {
   return source.objects.size() == 1 ? name + ", " + inQuotes(source.objects.front()) : name;
 }
 
+// Of lists in a sentence, so many are named.
+constexpr std::size_t kMostNames = 5, kMostReasons = 3;
+
+// "1, 2 and 3", or the first ones and the number of the others.
+std::string firstOf(const std::vector<std::string>& names) {
+  const std::size_t shown = names.size() > kMostNames ? kMostNames - 1 : names.size();
+  std::string text;
+  for (std::size_t i = 0; i < shown; ++i) {
+    const bool isLast = i > 0 && i + 1 == names.size();
+    text += (i == 0 ? "" : isLast ? " and " : ", ") + names[i];
+  }
+  if (shown == names.size()) return text;
+  return text + " and " + std::to_string(names.size() - shown) + " others";
+}
+
 }  // namespace
 
 std::string unitedText(const UnitedBodies& united) {
@@ -94,6 +111,55 @@ std::string unitedText(const UnitedBodies& united) {
   }
   if (united.before != 1) return text;  // none, or they touch where that does not connect them
   return text + between + "its surface crosses itself; what lies within it was left out";
+}
+
+std::vector<std::string> objectsOf(const SourceMesh& source,
+                                   std::span<const std::uint32_t> triangles) {
+  if (source.objects.size() < 2) return {};
+  std::set<std::uint32_t> objects;
+  for (const std::uint32_t t : triangles) {
+    if (t < source.objectOfTriangle.size()) objects.insert(source.objectOfTriangle[t]);
+  }
+  std::vector<std::string> names;
+  for (const std::uint32_t object : objects) names.push_back(source.objects[object]);
+  return names;
+}
+
+std::string smoothText(const SourceMesh& source, std::size_t fragments, const std::string& failure,
+                       std::span<const SmoothBodies> smooth) {
+  if (!failure.empty()) {
+    return failure + ", so the fragments have the smooth surface instead of the exact one";
+  }
+  if (smooth.empty()) return {};
+  std::vector<SmoothBodies> byReason;
+  std::size_t count = 0;
+  for (const SmoothBodies& bodies : smooth) {
+    count += bodies.fragments.size();
+    const auto same = std::ranges::find(byReason, bodies.reason, &SmoothBodies::reason);
+    if (same == byReason.end()) {
+      byReason.push_back(bodies);
+      continue;
+    }
+    same->fragments.insert(same->fragments.end(), bodies.fragments.begin(), bodies.fragments.end());
+    same->triangles.insert(same->triangles.end(), bodies.triangles.begin(), bodies.triangles.end());
+  }
+  std::string text = std::to_string(count) + " of " + counted(fragments, "fragment") +
+                     (count == 1 ? " has" : " have") +
+                     " the smooth surface instead of the exact one: ";
+  const std::size_t shown = std::min(byReason.size(), kMostReasons);
+  for (std::size_t i = 0; i < shown; ++i) {
+    SmoothBodies& bodies = byReason[i];
+    std::ranges::sort(bodies.fragments);
+    std::vector<std::string> ids;
+    for (const int id : bodies.fragments) ids.push_back(std::to_string(id));
+    text += (i == 0 ? "" : "; ") + firstOf(ids);
+    std::vector<std::string> objects = objectsOf(source, bodies.triangles);
+    for (std::string& name : objects) name = inQuotes(name);
+    if (!objects.empty()) text += " (" + firstOf(objects) + ")";
+    text += ", since " + bodies.reason;
+  }
+  if (shown == byReason.size()) return text;
+  return text + "; others for " + counted(byReason.size() - shown, "other reason");
 }
 
 nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult& result) {

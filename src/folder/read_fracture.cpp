@@ -119,10 +119,10 @@ FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) 
 void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::uint64_t maxMemory) {
   TriangleMesh faces;
   std::vector<std::size_t> firstFace{0};
-  bool hasVoxelFaces = false, isExact = true;
+  bool hasVoxelFaces = false, isExact = false;
   for (const ManifestFragment& fragment : readManifest(file).fragments) {
     hasVoxelFaces |= fragment.isOfVoxelFaces;
-    isExact &= fragment.isExact;
+    isExact |= fragment.isExact;
     const auto ply = std::find_if(fragment.meshes.begin(), fragment.meshes.end(),
                                   [](const std::string& name) { return name.ends_with(".ply"); });
     if (ply == fragment.meshes.end()) return;

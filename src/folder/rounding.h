@@ -17,7 +17,8 @@ namespace sherd {
 ///   isExact  they have exact surfaces
 [[nodiscard]] bool isDouble(const WriteOptions& write, bool isExact, const Solid& solid);
 
-/// Returns whether fragments have exact surfaces, once these are made or have failed.
+/// Returns whether fragments have exact surfaces, or some of them, once these are made or have
+/// failed.
 [[nodiscard]] inline bool isExact(const FractureOptions& options, const FractureResult& result) {
   return options.surface.surface == Surface::exact && result.exactFailure.empty();
 }

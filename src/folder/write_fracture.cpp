@@ -6,10 +6,12 @@
 #include <utility>
 
 #include "base/atomic_file.h"
+#include "base/printable.h"
 #include "base/unfinished.h"
 #include "folder/file_names.h"
 #include "folder/fracture_files.h"
 #include "folder/manifest.h"
+#include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
 #include "pipeline/fracture_stages.h"
 #include "surface/extract.h"
@@ -36,6 +38,7 @@ std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const FractureOp
   }
   Extraction extraction(result.solid, result.labels, grown.extractOptions(surface), progress);
   result.exactFailure = extraction.exactFailure();
+  result.smooth = extraction.smooth();
   result.united = extraction.united();
   result.surfaces = extraction.surfaces();
   result.unmerged = extraction.unmerged();
@@ -81,6 +84,13 @@ void warnOfCrossings(FractureReplacement& replacement, std::span<const MeshFacts
                      const WriteOptions& write) {
   std::string warning = crossingsWarning(facts, write);
   if (!warning.empty()) replacement.warn(std::move(warning));
+}
+
+void warnOfSmooth(FractureReplacement& replacement, const SourceMesh& source,
+                  const FractureResult& result) {
+  const std::string text =
+      smoothText(source, result.fragments.size(), result.exactFailure, result.smooth);
+  if (!text.empty()) replacement.warn(printable(source.name) + ": " + text);
 }
 
 void checkInput(const FractureInput& input, const WriteOptions& write) {
@@ -142,6 +152,7 @@ WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
     const InputBodies bodies = inputBodies(result, options);
     const std::vector<MeshFacts> facts = meshFacts(result, bodies);
     warnOfCrossings(replacement, facts, write);
+    warnOfSmooth(replacement, source, result);
     writeWhole(staged / kManifestName,
                manifestText(source, options, result, facts, bodies, files, write));
   });
@@ -174,6 +185,7 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
         makeAndWrite(grown, options, write, result, bodies, writing, clock, progress);
     for (std::string& warning : writing.finish(progress)) replacement.warn(std::move(warning));
     warnOfCrossings(replacement, facts, write);
+    warnOfSmooth(replacement, source, result);
     writeWhole(staged / kManifestName,
                manifestText(source, options, result, facts, bodies, files, write));
   });

@@ -305,20 +305,22 @@ const Row kSurfaceRows[]{
      .help =
          "The input's own triangles, cut by the cracks; meshes of the smooth level sets; or the "
          "faces of the labels' voxels; auto: exact where it succeeds, else smooth",
-     .details = "`exact`: the triangles of the input, which stay as they are where no crack cuts "
-                "them: sharp edges, normals, texture coordinates, polygons and all. Bodies that "
-                "overlap or touch are united first, and holes are closed by faces of their own. It "
-                "needs a mesh filled by `winding`, or a shell that does not cross itself, and "
-                "cracks that are not so rough that they "
-                "cross each other; where it does not succeed, all fragments get the smooth "
-                "surface, with a warning that says why. `smooth`: meshes of the level sets, with "
-                "the creases and corners of the input as sharp as they are where its details are "
-                "larger than a voxel. `labels`: the voxel faces of the fragment, as in the paper. "
-                "`auto` is `exact`, but `smooth` for volumes, with `--interface independent`, with "
-                "smoothing, where all surfaces are eroded, for more than 1,000 pieces, and where "
-                "no file has meshes or points; with "
-                "`--only` `exact` if the fragments are. In datasets `auto` is `smooth`, which "
-                "takes less time. The `.vdb` files are the same for all",
+     .details =
+         "`exact`: the triangles of the input, which stay as they are where no crack cuts "
+         "them: sharp edges, normals, texture coordinates, polygons and all. Bodies that "
+         "overlap or touch are united first, and holes are closed by faces of their own. It "
+         "needs a mesh filled by `winding`, or a shell that does not cross itself, and "
+         "cracks that are not so rough that they "
+         "cross each other; where it does not succeed, the fragments of the bodies concerned "
+         "get the smooth surface, with a warning that says which and why. `smooth`: meshes of the "
+         "level sets, with "
+         "the creases and corners of the input as sharp as they are where its details are "
+         "larger than a voxel. `labels`: the voxel faces of the fragment, as in the paper. "
+         "`auto` is `exact`, but `smooth` for volumes, with `--interface independent`, with "
+         "smoothing, where all surfaces are eroded, for more than 1,000 pieces, and where "
+         "no file has meshes or points; with "
+         "`--only` `exact` if some fragments are. In datasets `auto` is `smooth`, which "
+         "takes less time. The `.vdb` files are the same for all",
      .key = "surface.of",
      .drawn = true},
     {.name = "interface",

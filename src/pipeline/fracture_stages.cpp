@@ -431,6 +431,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
         extractAll(result.solid, result.labels, grown.extractOptions(surface), progress);
     result.fragments = std::move(all.fragments);
     result.exactFailure = std::move(all.exactFailure);
+    result.smooth = std::move(all.smooth);
     result.united = std::move(all.united);
     result.surfaces = std::move(all.surfaces);
     result.unmerged = std::move(all.unmerged);

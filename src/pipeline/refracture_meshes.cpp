@@ -9,12 +9,15 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "mesh/positions.h"
+#include "surface/body_clusters.h"
+#include "surface/exact_by_cluster.h"
 #include "surface/exact_meshes.h"
 #include "surface/label_reader.h"
 #include "voxelize/leaf_blocks.h"
@@ -168,8 +171,8 @@ ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& br
   solid.report.fill = Fill::winding;
   solid.report.defects.components = meshComponents(mesh->mesh).count;
   solid.mesh = std::move(mesh);
-  return exactMeshes(solid, broken.labels, leafNeighbors(solid.blocks->origins), adaptivity,
-                     progress);
+  return exactMeshes(solid, broken.labels, nullptr, leafNeighbors(solid.blocks->origins),
+                     adaptivity, progress);
 }
 
 // A fragment that stays.
@@ -197,19 +200,32 @@ void setNeighbors(std::size_t first, std::size_t own, Neighbors& neighbors, Labe
   }
 }
 
-// Numbers vertices at one position alike, also those of different fragments.
-void setPositions(std::vector<LabeledMesh>& meshes) {
-  std::vector<glm::dvec3> all;
-  for (const LabeledMesh& mesh : meshes) {
-    all.insert(all.end(), mesh.mesh.vertices.begin(), mesh.mesh.vertices.end());
+// A broken fragment that could not be cut.
+struct Failed {
+  std::size_t first = 0;  // of its parts
+  std::string reason{};
+};
+
+// Removes the meshes of fragments that are connected with those that could not be cut: smooth
+// surfaces of their neighbors would not fit them.
+ExactSurface withoutFailed(ExactSurface all, const std::vector<Failed>& failed,
+                           const Labels& labels) {
+  const std::vector<std::uint32_t> set = connectedFragments(labels);
+  std::map<std::uint32_t, SmoothBodies> smooth;  // by names of sets
+  for (const Failed& one : failed) {
+    smooth.try_emplace(set[one.first], SmoothBodies{.reason = one.reason});
   }
-  const std::vector<std::uint32_t> first = firstAtPosition(all);
-  auto next = first.begin();
-  for (LabeledMesh& mesh : meshes) {
-    const auto end = next + static_cast<std::ptrdiff_t>(mesh.mesh.vertices.size());
-    mesh.positionId.assign(next, end);
-    next = end;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < all.meshes.size(); ++i) {
+    const auto found = smooth.find(set[i]);
+    if (found == smooth.end()) continue;
+    found->second.fragments.push_back(static_cast<int>(i + 1));
+    all.meshes[i] = {};
+    ++count;
   }
+  if (count == all.meshes.size()) return {.failure = failed.front().reason};
+  for (auto& [name, bodies] : smooth) all.smooth.push_back(std::move(bodies));
+  return all;
 }
 
 }  // namespace
@@ -248,10 +264,13 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
     if (newId[static_cast<std::size_t>(id)] == 0) continue;
     all.meshes.push_back(keptMesh(finished, id, newId[static_cast<std::size_t>(id)], neighbors));
   }
+  std::vector<Failed> failed;
   for (const BrokenFragment& one : broken) {
     ExactSurface parts = cutAgain(finished, one, adaptivity, progress);
+    if (parts.failure.empty() && !parts.smooth.empty()) parts.failure = parts.smooth.front().reason;
     if (!parts.failure.empty()) {
-      return {.failure = "fragment " + std::to_string(one.id) + ": " + parts.failure};
+      failed.push_back({one.first, "fragment " + std::to_string(one.id) + ": " + parts.failure});
+      parts.meshes.assign(static_cast<std::size_t>(one.labels.fragmentCount), {});
     }
     std::size_t own = one.first;
     for (LabeledMesh& part : parts.meshes) {
@@ -260,7 +279,7 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
     }
   }
   setPositions(all.meshes);
-  return all;
+  return failed.empty() ? std::move(all) : withoutFailed(std::move(all), failed, labels);
 }
 
 }  // namespace sherd

@@ -147,6 +147,10 @@ bool isShell(const Solid& solid) {
   return solid.report.fill == Fill::shell && !solid.report.isThinnerThanVoxels;
 }
 
+SolidMesh withHolesFilled(const SolidMesh& open, const Progress* progress) {
+  return withLoopsFilled(open, openLoops(open.mesh), progress);
+}
+
 SolidMesh withoutSmallClosed(const SolidMesh& closed, double least) {
   const std::vector<std::uint32_t> partOf = partsOf(closed.mesh);
   std::map<std::uint32_t, std::vector<glm::uvec3>> parts;  // those with faces that close holes

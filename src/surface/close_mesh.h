@@ -24,6 +24,10 @@ struct ClosedMesh {
 ///   throws  Error(cancelled)
 [[nodiscard]] ClosedMesh closedMesh(const Solid& solid, const Progress* progress = nullptr);
 
+/// Returns a mesh with the faces that close its holes after its own triangles.
+///   throws  Error(cancelled)
+[[nodiscard]] SolidMesh withHolesFilled(const SolidMesh& open, const Progress* progress = nullptr);
+
 /// Whether a solid is a shell of its mesh.
 [[nodiscard]] bool isShell(const Solid& solid);
 

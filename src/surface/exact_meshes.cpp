@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
-#include <limits>
 #include <memory>
 
 #include "exact/unite.h"
@@ -18,9 +17,11 @@
 #include "surface/closed_solid.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
+#include "surface/exact_by_cluster.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
 #include "surface/loose_bodies.h"
+#include "surface/nearest_label.h"
 #include "surface/part_edges.h"
 #include "surface/simplified_cracks.h"
 #include "voxelize/leaf_blocks.h"
@@ -35,28 +36,6 @@ constexpr int kMostTries = 4;
 openvdb::Coord voxelAt(const glm::dvec3& index) {
   const glm::dvec3 rounded = glm::round(index);
   return {static_cast<int>(rounded.x), static_cast<int>(rounded.y), static_cast<int>(rounded.z)};
-}
-
-// The label of the voxel that is nearest to a point.
-std::uint16_t nearestLabel(const Labels& labels, const glm::dvec3& index) {
-  double least = std::numeric_limits<double>::infinity();
-  std::uint16_t nearest = 0;
-  for (std::size_t leaf = 0; leaf < labels.blocks->count(); ++leaf) {
-    const openvdb::Coord& origin = labels.blocks->origins[leaf];
-    const glm::dvec3 low(origin.x(), origin.y(), origin.z());
-    const glm::dvec3 apart = index - glm::clamp(index, low, low + 7.0);
-    if (glm::dot(apart, apart) >= least) continue;
-    for (std::size_t v = 0; v < 512; ++v) {
-      const std::uint16_t label = labels.fragment[leaf * 512 + v];
-      if (label == 0 || label == Labels::kEroded) continue;
-      const openvdb::Coord at = labels.blocks->voxelAt(leaf * 512 + v);
-      const glm::dvec3 to = glm::dvec3(at.x(), at.y(), at.z()) - index;
-      if (glm::dot(to, to) >= least) continue;
-      least = glm::dot(to, to);
-      nearest = label;
-    }
-  }
-  return nearest;
 }
 
 std::string obstacleOf(const Solid& solid) {
@@ -216,6 +195,7 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
       all.meshes[i] = std::move(surface.meshes[i]);
     }
   }
+  setPositions(all.meshes);
   return all;
 }
 
@@ -244,14 +224,10 @@ ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united,
   return surface;
 }
 
-}  // namespace
-
-ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
+// Cuts all bodies at once.
+ExactSurface cutTogether(const Solid& solid, const Labels& labels,
                          std::span<const LeafNeighbors> neighborhoods, double adaptivity,
                          const Progress* progress) {
-  if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
-    return {.failure = std::move(obstacle)};
-  }
   const ClosedMesh closed = closedMesh(solid, progress);
   if (!closed.failure.empty()) return {.failure = closed.failure};
   const double least =
@@ -267,9 +243,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
     surface = cutBodies(solid, labels, bodies, neighborhoods, adaptivity, progress);
   }
   surface = checkedUnion(std::move(surface), bodies.united(), progress);
-  const std::size_t removed = removeLooseBodies(surface.meshes, least);
-  const auto known = static_cast<std::size_t>(solid.smallComponents);  // which a warning counts
-  surface.united.loose = removed > known ? removed - known : 0;
+  surface.united.loose = removeLooseBodies(surface.meshes, least);
   // Voxels connect parts of an open mesh that are near each other.
   for (std::size_t i = 0; i < surface.meshes.size() && !bodies.isInput(); ++i) {
     if (bodyCount(surface.meshes[i].mesh) < 2) continue;
@@ -278,6 +252,28 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
                 " would be several bodies, since parts of the open mesh are near each other"};
   }
   if (isShell(solid)) surface.united.before = surface.united.after = 0;  // its folds, no bodies
+  return surface;
+}
+
+}  // namespace
+
+ExactSurface exactMeshes(const Solid& solid, const Labels& labels, const Labels* uneroded,
+                         std::span<const LeafNeighbors> neighborhoods, double adaptivity,
+                         const Progress* progress) {
+  if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
+    return {.failure = std::move(obstacle)};
+  }
+  ExactSurface surface = cutTogether(solid, labels, neighborhoods, adaptivity, progress);
+  if (!surface.failure.empty()) {
+    const auto cut = [&](const ClusterSolid& part) {
+      return cutTogether(part.solid, part.labels, leafNeighbors(part.solid.blocks->origins),
+                         adaptivity, progress);
+    };
+    surface = cutByCluster(solid, labels, uneroded ? *uneroded : labels, std::move(surface), cut,
+                           progress);
+  }
+  const auto known = static_cast<std::size_t>(solid.smallComponents);  // which a warning counts
+  surface.united.loose -= std::min(surface.united.loose, known);
   return surface;
 }
 

@@ -1,6 +1,7 @@
 // The input's own triangles, cut by the cracks.
 #pragma once
 
+#include <sherd/fragments.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
 #include <sherd/solid.h>
@@ -16,11 +17,12 @@ namespace sherd {
 
 /// The meshes of all fragments, or why there are none.
 struct ExactSurface {
-  std::vector<LabeledMesh> meshes{};  ///< [fragments] by id, with TriangleMesh::source by the
-                                      ///< triangles of the mesh that is cut
-  std::string failure{};              ///< a clause; empty if `meshes` are valid
-  bool isDegenerate = false;          ///< cracks that are displaced a little may succeed
-  UnitedBodies united{};              ///< what was cut, if it is not the input's mesh
+  std::vector<LabeledMesh> meshes{};   ///< [fragments] by id, with TriangleMesh::source by the
+                                       ///< triangles of the mesh that is cut
+  std::string failure{};               ///< a clause; empty if `meshes` are valid
+  std::vector<SmoothBodies> smooth{};  ///< whose fragments have no meshes, as others could be cut
+  bool isDegenerate = false;           ///< cracks that are displaced a little may succeed
+  UnitedBodies united{};               ///< what was cut, if it is not the input's mesh
 };
 
 /// What is known of points away from the cracks.

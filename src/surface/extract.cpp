@@ -122,6 +122,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       surface_(checked(solid, options, progress)),
       keepsUnmerged_(keepsUnmerged(options.surface)),
       progress_(progress),
+      intact_(options.intact),
       seed_(options.seed),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       voxels_(checkedCounts(labels, solid)),
@@ -131,35 +132,38 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       leaves_(leavesOf(cut_->cut(), count_)) {
   if (surface_.surface == Surface::exact) {
     makeExact(options.exact ? *options.exact
-                            : exactMeshes(solid_, labels_, cut_->neighborhoods(),
+                            : exactMeshes(solid_, labels_, uneroded_, cut_->neighborhoods(),
                                           surface_.adaptivity, progress_));
-    if (surface_.surface != Surface::exact) {  // it failed, and is what the other options say
-      cut_ =
-          std::make_shared<CutSolid>(solid, labels, options.intact, extentFor(surface_), progress);
-      leaves_ = leavesOf(cut_->cut(), count_);
-    }
+    if (surface_.surface == Surface::smooth) cutAnew();
   }
-  if (surface_.surface != Surface::smooth) return;
-  cut_->findCreases(solid, progress);
-  simplification_ = simplificationOf(surface_, solid, options.intact.get());
+  meshedAs_.resize(count_, surface_.surface);
+  if (surface_.surface == Surface::smooth) makeSmooth();
+}
+
+// Cuts the solid as the smooth surface needs it, which replaces exact ones.
+void Extraction::cutAnew() {
+  cut_ = std::make_shared<CutSolid>(solid_, labels_, intact_, extentFor(surface_), progress_);
+  leaves_ = leavesOf(cut_->cut(), count_);
+}
+
+void Extraction::makeSmooth() {
+  cut_->findCreases(solid_, progress_);
+  simplification_ = simplificationOf(surface_, solid_, intact_.get());
   if (!isShared()) {
     voxelContacts_ = voxelContactsOf();
     touching_ = touchingFragments(count_, voxelContacts_);
     return;
   }
-  auto shared = std::make_shared<const FragmentSurfaces>(solid, labels, uneroded_, cut_,
-                                                         SurfaceVertices::all, progress);
+  auto shared = std::make_shared<const FragmentSurfaces>(solid_, labels_, uneroded_, cut_,
+                                                         SurfaceVertices::all, progress_);
   const bool isProcessed = simplification_.isAny() || !surface_.triangles.empty() ||
-                           movesAnything(surface_.smooth, solid.box.longestSide());
+                           movesAnything(surface_.smooth, solid_.box.longestSide()) ||
+                           !smooth_.empty();
   if (isProcessed) {
     processTogether(std::move(shared));
   } else {
     surfaces_ = std::move(shared);
   }
-}
-
-bool Extraction::isShared() const {
-  return surface_.surface == Surface::smooth && surface_.interface == Interface::shared;
 }
 
 void Extraction::makeExact(ExactSurface exact) {
@@ -169,14 +173,21 @@ void Extraction::makeExact(ExactSurface exact) {
     return;
   }
   united_ = std::move(exact.united);
+  smooth_ = std::move(exact.smooth);
+  meshedAs_.assign(count_, Surface::exact);
+  for (const SmoothBodies& bodies : smooth_) {
+    surface_.surface = Surface::smooth;
+    for (const int id : bodies.fragments) {
+      meshedAs_[static_cast<std::size_t>(id) - 1] = Surface::smooth;
+    }
+  }
   for (std::size_t i = 0; i < count_; ++i) {
     LabeledMesh& mesh = exact.meshes[i];
     mesh.mesh.neighbor = mesh.other;
-    if (!uneroded_) continue;
-    std::vector<bool> original;
-    for (const std::uint16_t other : mesh.other) original.push_back(other == 0);
-    mesh.mesh.neighbor = neighborsOf(mesh.mesh, original, static_cast<std::uint16_t>(i + 1), solid_,
-                                     *uneroded_, true);
+    if (!uneroded_ || isSmooth(i)) continue;
+    mesh.mesh.neighbor = neighborsOf(mesh.mesh, onSolid(mesh), static_cast<std::uint16_t>(i + 1),
+                                     solid_, *uneroded_, true);
+    partKinds(mesh, i);
   }
   if (!surface_.triangles.empty()) {
     processed_.coarse = decimated(complexOf(exact.meshes), surface_.triangles, progress_);
@@ -184,14 +195,35 @@ void Extraction::makeExact(ExactSurface exact) {
   processed_.meshes = std::move(exact.meshes);
 }
 
+// Makes faces between an exact fragment and a smooth one those of the original surface: they are of
+// bodies that are nearer to each other than a voxel, and have no crack in common.
+void Extraction::partKinds(LabeledMesh& mesh, std::size_t i) const {
+  if (smooth_.empty()) return;
+  for (std::size_t t = 0; t < mesh.other.size(); ++t) {
+    const auto isOther = [&](std::uint16_t label) {
+      return label != 0 && label <= count_ && meshedAs_[label - 1u] != meshedAs_[i];
+    };
+    if (!isOther(mesh.other[t]) && !isOther(mesh.mesh.neighbor[t])) continue;
+    if (isOther(mesh.other[t])) mesh.other[t] = 0;
+    mesh.mesh.neighbor[t] = 0;
+  }
+}
+
+LabeledMesh Extraction::smoothMesh(const FragmentSurfaces& surfaces, std::size_t i) const {
+  if (!isSmooth(i)) return {};
+  LabeledMesh mesh = surfaces.meshOf(static_cast<std::uint16_t>(i + 1));
+  partKinds(mesh, i);
+  return mesh;
+}
+
 // Frees what is not needed any more before the next step, which takes about as much memory: the
 // surfaces too, unless points are sampled of them.
 void Extraction::processTogether(std::shared_ptr<const FragmentSurfaces> surfaces) {
-  Processed& all = processed_;
+  Processed all;
   all.meshes.resize(count_);
   CancelFlag stop(progress_);
   tbb::parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
-    if (!stop.isSet()) all.meshes[i] = surfaces->meshOf(static_cast<std::uint16_t>(i + 1));
+    if (!stop.isSet()) all.meshes[i] = smoothMesh(*surfaces, i);
   });
   stop.throwIfSet();
   if (keepsUnmerged_) unmerged_ = surfaces;
@@ -207,6 +239,12 @@ void Extraction::processTogether(std::shared_ptr<const FragmentSurfaces> surface
   if (!surface_.triangles.empty()) {
     all.coarse = decimated(complexOf(all.meshes), surface_.triangles, progress_);
   }
+  for (std::size_t i = 0; i < processed_.meshes.size(); ++i) {  // of exact fragments
+    if (isSmooth(i)) continue;
+    all.meshes[i] = std::move(processed_.meshes[i]);
+    if (!all.coarse.empty()) all.coarse[i] = std::move(processed_.coarse[i]);
+  }
+  processed_ = std::move(all);
 }
 
 void Extraction::meshShared(Fragment& fragment) {
@@ -240,6 +278,7 @@ void Extraction::meshIndependent(Fragment& fragment) const {
     LabeledMesh meshed = meshOfOne(solid_, labels_, cut_->cut(), cut_->creases(), id, leaves);
     meshed.mesh.neighbor = neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before,
                                        uneroded_ != nullptr, &touching_);
+    partKinds(meshed, id - std::size_t{1});
     slideCracks(meshed, solid_.frame, key);
     // Planes are merged first: they would no longer be planes.
     if (!simplification_.isAny()) jitterCracks(meshed.mesh, solid_.frame, key);
@@ -271,9 +310,9 @@ Fragment Extraction::makeFragment(std::size_t i) {
   fragment.voxels = voxels_[i + 1];
   fragment.voxelBox = boxes_[i + 1];
   if (surface_.levelSets) fragment.surface = fragmentLevelSet(solid_, cut_->cut(), id, leaves_[id]);
-  const bool isExact = surface_.surface == Surface::exact;
-  isShared() || isExact ? meshShared(fragment) : meshIndependent(fragment);
-  fragment.meshedAs = surface_.surface;
+  fragment.meshedAs = meshedAs_[i];
+  const bool isMade = fragment.meshedAs == Surface::exact || (isSmooth(i) && isShared());
+  isMade ? meshShared(fragment) : meshIndependent(fragment);
   if (!surfaces_) {
     fragment.mass = massProperties(fragment.mesh);
     measureAreas(fragment);
@@ -364,8 +403,12 @@ ExtractedFragments extractAll(const Solid& solid, const Labels& labels,
   }
   std::vector<std::vector<Contact>> contacts = extraction.contacts();
   for (std::size_t i = 0; i < all.size(); ++i) all[i].contacts = std::move(contacts[i]);
-  return {std::move(all), extraction.exactFailure(), extraction.surfaces(), extraction.unmerged(),
-          extraction.united()};
+  return {.fragments = std::move(all),
+          .exactFailure = extraction.exactFailure(),
+          .smooth = extraction.smooth(),
+          .surfaces = extraction.surfaces(),
+          .unmerged = extraction.unmerged(),
+          .united = extraction.united()};
 }
 
 std::vector<Fragment> extractFragments(const Solid& solid, const Labels& labels,

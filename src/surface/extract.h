@@ -38,8 +38,11 @@ class Extraction {
   /// Returns FractureResult::unmerged, if SurfaceOptions::points asks for it.
   [[nodiscard]] std::shared_ptr<const FragmentSurfaces> unmerged() const { return unmerged_; }
 
-  /// Returns why Surface::exact was replaced by Surface::smooth, as a clause; empty if it was not.
+  /// Returns FractureResult::exactFailure.
   [[nodiscard]] const std::string& exactFailure() const { return exactFailure_; }
+
+  /// Returns FractureResult::smooth.
+  [[nodiscard]] const std::vector<SmoothBodies>& smooth() const { return smooth_; }
 
   /// Returns FractureResult::united.
   [[nodiscard]] const UnitedBodies& united() const { return united_; }
@@ -52,10 +55,15 @@ class Extraction {
     std::vector<std::vector<CutFace>> cutFaces{};   ///< [meshes], or empty
   };
 
-  bool isShared() const;
+  bool isShared() const { return surface_.interface == Interface::shared; }
+  bool isSmooth(std::size_t i) const { return meshedAs_[i] == Surface::smooth; }
   ContactSums voxelContactsOf() const;
+  void cutAnew();
+  void makeSmooth();
+  LabeledMesh smoothMesh(const FragmentSurfaces& surfaces, std::size_t i) const;
   void processTogether(std::shared_ptr<const FragmentSurfaces> surfaces);
   void makeExact(ExactSurface exact);
+  void partKinds(LabeledMesh& mesh, std::size_t i) const;
   std::size_t endOfBatch() const;
   Fragment makeFragment(std::size_t i);
   void meshShared(Fragment& fragment);
@@ -65,9 +73,10 @@ class Extraction {
   const Solid& solid_;
   const Labels& labels_;
   const Labels* const uneroded_;
-  SurfaceOptions surface_;  ///< smooth where exact surfaces fail
+  SurfaceOptions surface_;  ///< smooth where exact surfaces fail for some fragments or all
   const bool keepsUnmerged_;
   const Progress* const progress_;
+  const std::shared_ptr<const IntactSurface> intact_;  ///< as ExtractOptions::intact
   const std::uint64_t seed_;
   const std::size_t count_;
   const std::vector<std::uint64_t> voxels_;  ///< [fragments + 1]
@@ -77,10 +86,12 @@ class Extraction {
   std::vector<std::vector<std::uint32_t>> leaves_;    ///< [fragments + 1] ascending
   std::shared_ptr<const FragmentSurfaces> surfaces_;  ///< if meshes are shared, not processed
   std::shared_ptr<const FragmentSurfaces> unmerged_;
-  Processed processed_;         ///< if meshes are processed, or exact
-  ContactSums voxelContacts_;   ///< if fragments are meshed independently
-  TouchingFragments touching_;  ///< likewise
+  Processed processed_;            ///< if meshes are processed, or exact
+  ContactSums voxelContacts_;      ///< if fragments are meshed independently
+  TouchingFragments touching_;     ///< likewise
+  std::vector<Surface> meshedAs_;  ///< [fragments]
   std::string exactFailure_;
+  std::vector<SmoothBodies> smooth_;
   UnitedBodies united_;
   ContactMeasure measure_;
   std::size_t next_ = 0;
@@ -90,6 +101,7 @@ class Extraction {
 struct ExtractedFragments {
   std::vector<Fragment> fragments;
   std::string exactFailure{};                                      ///< as Extraction::exactFailure
+  std::vector<SmoothBodies> smooth{};                              ///< as Extraction::smooth
   std::shared_ptr<const FragmentSurfaces> surfaces{}, unmerged{};  ///< as those of Extraction
   UnitedBodies united{};                                           ///< as Extraction::united
 };

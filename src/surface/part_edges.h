@@ -16,8 +16,9 @@ namespace sherd {
 inline constexpr double kPartedSheets = 3e-5;
 
 /// Moves vertices of one sheet into the fragment where two sheets of its original surface touch
-/// along an edge, so that merging equal positions leaves the mesh manifold.  Vertices of neighbors
-/// that share cracks there move along.  Positions that are not on such edges stay.
+/// along an edge, so that merging equal positions leaves the mesh manifold.  Where that would let
+/// faces cross, sheets move otherwise, and those that have only a vertex there may stay.  Vertices
+/// of neighbors that share cracks there move along.  Positions that are not on such edges stay.
 ///   meshes   [fragments] closed and manifold, each sheet with vertices of its own
 ///   return   why it does not succeed, as a clause, or nothing; `meshes` are then to be discarded
 ///   throws   Error(cancelled)

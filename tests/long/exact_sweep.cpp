@@ -51,7 +51,7 @@ Input inputOf(std::string name, TriangleMesh mesh) {
 }
 
 struct Tally {
-  int runs = 0, fallBacks = 0, faults = 0;
+  int runs = 0, fallBacks = 0, partly = 0, faults = 0;
   std::map<std::string, int> reasons;
 };
 
@@ -218,6 +218,22 @@ bool touches(const UnitedBodies& united) {
   return touchingEdges(whole) > 0;
 }
 
+// What is wrong with fragments some of which are smooth, as text.
+std::string faultsOfKinds(const std::vector<Fragment>& fragments) {
+  std::string faults;
+  for (const Fragment& fragment : fragments) {
+    const std::string name = "fragment " + std::to_string(fragment.id);
+    if (openEdges(fragment.mesh) > 0) faults += name + " is open; ";
+    if (!(fragment.mass.volume > 0.0)) faults += name + " is empty; ";
+    for (const std::uint16_t neighbor : fragment.mesh.neighbor) {
+      if (neighbor == 0 || fragments[neighbor - 1u].meshedAs == fragment.meshedAs) continue;
+      faults += name + " has a neighbor of another kind; ";
+      break;
+    }
+  }
+  return faults;
+}
+
 FractureOptions randomOptions(std::mt19937_64& random) {
   FractureOptions options;
   options.surface = {.levelSets = false, .surface = Surface::exact};
@@ -250,6 +266,14 @@ void breakOne(const Input& input, const FractureOptions& options, Device& device
     if (!result.exactFailure.empty()) {
       ++tally.fallBacks;
       ++tally.reasons[result.exactFailure];
+      return;
+    }
+    if (!result.smooth.empty()) {
+      ++tally.partly;
+      for (const SmoothBodies& bodies : result.smooth) ++tally.reasons[bodies.reason];
+      if (const std::string faults = faultsOfKinds(result.fragments); !faults.empty()) {
+        fault(faults);
+      }
       return;
     }
     if (input.unionVolume > 0.0) {
@@ -300,8 +324,8 @@ int main(int argc, char** argv) {
   int faults = 0;
   for (const auto& [name, tally] : tallies) {
     faults += tally.faults;
-    std::printf("%-28s %4d runs, %3d fall-backs, %d faults\n", name.c_str(), tally.runs,
-                tally.fallBacks, tally.faults);
+    std::printf("%-28s %4d runs, %3d fall-backs, %3d in part, %d faults\n", name.c_str(),
+                tally.runs, tally.fallBacks, tally.partly, tally.faults);
     for (const auto& [reason, n] : tally.reasons) std::printf("    %3d %s\n", n, reason.c_str());
   }
   return faults > 0 ? 1 : 0;

@@ -1,8 +1,10 @@
 """Options that do nothing, or contradict each other: the same sentences as the program's, with keywords for options."""
+import json
 import re
 import subprocess
 import warnings
 
+import numpy as np
 import pytest
 from conftest import AMPHORA, SHERD, cube
 from test_fracture import arguments_of
@@ -103,3 +105,31 @@ def test_warnings_of_an_object_point_at_the_caller():
     solid = pysherd.voxelize(cube(), resolution=24, surface="exact", fill="parity")
     found, _ = caught(lambda: pysherd.fracture(solid, pieces=2, surface="exact")[0].vertices)
     assert [file for sentence, file in found if "smooth surface instead of the exact one" in sentence] == [__file__]
+
+
+def cube_beside_boxes_that_touch_in_voxels():
+    """A cube, and apart from it an open box with a small one a third of a voxel away, which can't be cut: their voxels are joined."""
+    size = 6 / (32 - 13 / 3)  # of a voxel at 32 of them
+    vertices, faces = cube(2.0)
+    low = np.array((5 + size / 3, 0.9, 0.9))
+    all_vertices = np.vstack((vertices, vertices + (3, 0, 0), vertices * (2 * size) + low))
+    return all_vertices, np.vstack((faces, faces[2:] + 8, faces[2:] + 16))
+
+
+def test_bodies_that_cannot_be_cut_are_smooth_and_others_exact(tmp_path):
+    broken = pysherd.fracture(cube_beside_boxes_that_touch_in_voxels(), resolution=32, pieces=6)
+    found, _ = caught(lambda: broken[0].vertices)
+    ((sentence, file),) = [each for each in found if "smooth surface" in each[0]]
+    assert file == __file__
+    places = [np.asarray(f.vertices).mean(axis=0)[0] > 2.5 for f in broken]
+    ids = [i + 1 for i, is_smooth in enumerate(places) if is_smooth]
+    assert sentence.startswith(f"{len(ids)} of {len(broken)} fragments ha")
+    assert 0 < len(ids) < len(broken) and f": {ids[0]}" in sentence and "would be several bodies" in sentence
+    assert sum(f.volume for f, is_smooth in zip(broken, places) if not is_smooth) == pytest.approx(8, abs=1e-9)
+    for fragment, is_smooth in zip(broken, places):
+        neighbors = set(np.asarray(fragment.neighbor).tolist()) - {0}
+        assert all(places[n - 1] == is_smooth for n in neighbors)
+    found, _ = caught(lambda: broken.save(tmp_path / "out", write="mesh"))
+    assert [s for s, _ in found if sentence in s]
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    assert [f["id"] for f in manifest["fragments"] if f["surface"] == "smooth"] == ids == manifest["smooth_bodies"][0]["fragments"]

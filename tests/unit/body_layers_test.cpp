@@ -258,5 +258,26 @@ TEST_F(BodyLayers, ExactFragmentsAreOfOneBody) {
   }
 }
 
+TEST_F(BodyLayers, BodiesOfDifferentLayersAreDecimatedEachForItself) {
+  const double gap = 0.2 / 40;
+  const TriangleMesh mesh = shapes::append(shapes::cube(1.0), shapes::cube(1.0, {1.0 + gap, 0, 0}));
+  FractureOptions options;
+  options.pieces = 6;
+  options.solid.resolution = 40;
+  options.grow.roughness = 1.0;
+  options.surface = {.levelSets = false, .surface = Surface::exact, .triangles = {200}};
+  const FractureResult result = fracture(mesh, options, device());
+  ASSERT_EQ(result.exactFailure, "");
+  ASSERT_FALSE(result.solid.blocks->layers.empty());
+  double sum = 0.0;
+  for (const Fragment& fragment : result.fragments) {
+    const TriangleMesh& coarse = fragment.coarse.front();
+    EXPECT_EQ(openEdges(coarse), 0u);
+    EXPECT_NEAR(volume(coarse), fragment.mass.volume, 0.1 * fragment.mass.volume);
+    sum += volume(coarse);
+  }
+  EXPECT_NEAR(sum, 2.0, 0.01);  // cracks are shared; only the outside may move
+}
+
 }  // namespace
 }  // namespace sherd
