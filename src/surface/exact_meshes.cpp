@@ -211,10 +211,7 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
         progress);
     if (!surface.failure.empty()) return surface;
     setSources(surface, own.source);
-    for (std::size_t i = 0; i < all.meshes.size(); ++i) {
-      if (surface.meshes[i].mesh.triangles.empty()) continue;
-      all.meshes[i] = std::move(surface.meshes[i]);
-    }
+    addLayer(std::move(surface.meshes), all.meshes);
   }
   return all;
 }

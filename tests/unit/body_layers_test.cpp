@@ -229,6 +229,22 @@ TEST_F(BodyLayers, CracksAloneErode) {
   EXPECT_GT(fracture(joined(turned(bricks(0.05))), options, device()).eroded[0], 0u);
 }
 
+TEST_F(BodyLayers, CoarseFragmentsAreWhereTheirBodiesAre) {
+  const Bodies bodies = bricks(0.01);
+  FractureOptions options{.pieces = 12, .solid = {.voxelSize = 1.0}};
+  options.surface = {.levelSets = false, .surface = Surface::exact, .triangles = {60}};
+  const FractureResult result = fracture(joined(bodies), options, device());
+  ASSERT_EQ(result.exactFailure, "");
+  for (const Fragment& fragment : result.fragments) {
+    ASSERT_EQ(fragment.coarse.size(), 1u);
+    const Box fine = bounds(fragment.mesh), coarse = bounds(fragment.coarse.front());
+    for (int k = 0; k < 3; ++k) {  // within the voxel that the decimation may move them by
+      EXPECT_NEAR(fine.min[k], coarse.min[k], 1.0);
+      EXPECT_NEAR(fine.max[k], coarse.max[k], 1.0);
+    }
+  }
+}
+
 TEST_F(BodyLayers, ExactFragmentsAreOfOneBody) {
   for (const Bodies& bodies : nearBodies()) {
     FractureOptions options{.pieces = 15, .solid = {.voxelSize = 1.0, .keepMesh = true}};
