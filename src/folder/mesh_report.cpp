@@ -167,7 +167,8 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
 
   if (report.nearBodies > 0) {
     done += "; " + std::to_string(report.nearBodies) +
-            " bodies closer than a voxel to others kept apart";
+            (report.keptBodies > 0 ? " bodies that touch or overlap others, or nearly, kept"
+                                   : " bodies closer than a voxel to others kept apart");
   }
 
   std::string volumes = "volume " + text(solidVolume(result));
@@ -193,6 +194,18 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   }
   if (std::string united = unitedText(result.united); !united.empty()) {
     warnings.push_back(titleOf(source) + ": " + std::move(united));
+  }
+  if (report.hiddenBodies > 0) {
+    warnings.push_back(titleOf(source) + ": " + std::to_string(report.hiddenBodies) +
+                       (report.hiddenBodies == 1 ? " body has no voxels of its own and is left out"
+                                                 : " bodies have no voxels of their own and are "
+                                                   "left out") +
+                       ": thinner than voxels, or within smaller bodies");
+  }
+  if (report.lacksBodies) {
+    warnings.push_back(titleOf(source) +
+                       ": bodies are not kept, since they are known of closed meshes that are "
+                       "filled by winding only");
   }
   if (report.hasJoinedBodies) {
     warnings.push_back(titleOf(source) +

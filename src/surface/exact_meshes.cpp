@@ -18,6 +18,7 @@
 #include "surface/closed_solid.h"
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
+#include "surface/kept_meshes.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
 #include "surface/loose_bodies.h"
@@ -249,6 +250,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels,
   if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
     return {.failure = std::move(obstacle)};
   }
+  if (!solid.mesh->body.empty()) return keptMeshes(solid, labels, adaptivity, progress);
   const ClosedMesh closed = closedMesh(solid, progress);
   if (!closed.failure.empty()) return {.failure = closed.failure};
   const double least =

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "voxelize/fill.h"
@@ -20,7 +21,15 @@ struct BodyLayers {
   std::vector<std::uint16_t> ofTriangle{};           ///< [triangles] of the mesh; empty: all in 0
   bool areJoined = false;  ///< too many near each other: those side by side are connected
   std::size_t bodies = 0;  ///< those that come near others
+  std::vector<std::uint32_t> bodyOfTriangle{};  ///< SolidMesh::body
+  std::size_t kept = 0, hidden = 0;             ///< SolidReport::keptBodies, hiddenBodies
 };
+
+/// Returns [bodies] the layer of each: the lowest that none with a lower number has of those that
+/// it must not share one with.
+///   pairs  of these, both ways round, ascending
+[[nodiscard]] std::vector<std::uint16_t> layersApart(
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs, std::size_t bodies);
 
 /// Returns the layers of bodies, which are the closed components of a mesh, each with its cavities;
 /// those that overlap or touch, or lie within each other, are one body.
