@@ -162,8 +162,12 @@ VoxelMask voxelsOf(std::uint16_t layer, const LayerSource& from, const Progress*
 }  // namespace
 
 std::vector<std::uint16_t> layersApart(
-    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs, std::size_t bodies) {
-  std::vector<std::uint16_t> layer(bodies, 0);
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs, std::size_t bodies,
+    std::uint32_t spread) {
+  std::vector<std::uint16_t> layer;
+  for (std::uint32_t own = 0; own < bodies; ++own) {
+    layer.push_back(static_cast<std::uint16_t>(own % spread));
+  }
   for (auto from = pairs.begin(); from != pairs.end();) {
     const std::uint32_t own = from->first;
     std::vector<std::uint16_t> taken;
@@ -171,9 +175,13 @@ std::vector<std::uint16_t> layersApart(
       if (from->second < own) taken.push_back(layer[from->second]);
     }
     std::sort(taken.begin(), taken.end());
-    for (const std::uint16_t each : taken) {
-      if (each == layer[own]) ++layer[own];
-    }
+    const auto isTaken = [&](std::uint32_t each) {
+      return std::binary_search(taken.begin(), taken.end(), each);
+    };
+    std::uint32_t k = 0;
+    const auto candidate = [&] { return k < spread ? (own + k) % spread : k; };
+    while (isTaken(candidate())) ++k;
+    layer[own] = static_cast<std::uint16_t>(candidate());
   }
   return layer;
 }

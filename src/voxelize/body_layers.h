@@ -25,11 +25,12 @@ struct BodyLayers {
   std::size_t kept = 0, hidden = 0;             ///< SolidReport::keptBodies, hiddenBodies
 };
 
-/// Returns [bodies] the layer of each: the lowest that none with a lower number has of those that
-/// it must not share one with.
-///   pairs  of these, both ways round, ascending
+/// Returns [bodies] the layer of each: one that none with a lower number has of those that it must
+/// not share one with, of the first `spread` if possible, among which bodies are spread.
+///   pairs  of bodies that must not share one, both ways round, ascending
 [[nodiscard]] std::vector<std::uint16_t> layersApart(
-    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs, std::size_t bodies);
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs, std::size_t bodies,
+    std::uint32_t spread = 1);
 
 /// Returns the layers of bodies, which are the closed components of a mesh, each with its cavities;
 /// those that overlap or touch, or lie within each other, are one body.

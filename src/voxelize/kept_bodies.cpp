@@ -19,6 +19,9 @@ namespace {
 // Half of the distance, in voxels, from which on the exterior bands of two bodies are apart.
 constexpr double kApart = 5.5;
 
+// Few bodies have a layer each, so that the cells of one lose no voxels to seeds of another.
+constexpr std::size_t kSpread = 16;
+
 // A body has so many layers to choose from.
 constexpr std::uint16_t kMostLayers = 256;
 
@@ -168,7 +171,9 @@ BodyLayers keptLayers(const LeafBlocks& blocks, const SearchedMesh& mesh,
   if (components.count < 2) return {};
   KeptBodies bodies = keptBodies(mesh.mesh, components);
   if (bodies.count() < 2) return {};
-  const std::vector<std::uint16_t> layer = layersApart(meetingPairs(bodies), bodies.count());
+  const auto spread = static_cast<std::uint32_t>(std::min(bodies.count(), kSpread));
+  const std::vector<std::uint16_t> layer =
+      layersApart(meetingPairs(bodies), bodies.count(), spread);
   const std::uint16_t highest = *std::max_element(layer.begin(), layer.end());
   if (highest >= kMostLayers) return {.areJoined = true};
   const VoxelLayers layers = voxelLayers(blocks, bodies, layer, progress);
