@@ -171,6 +171,7 @@ void Extraction::makeExact(ExactSurface exact) {
   united_ = std::move(exact.united);
   for (std::size_t i = 0; i < count_; ++i) {
     LabeledMesh& mesh = exact.meshes[i];
+    if (!mesh.mesh.neighbor.empty()) continue;  // set where voxels are those of other bodies
     mesh.mesh.neighbor = mesh.other;
     if (!uneroded_) continue;
     std::vector<bool> original;

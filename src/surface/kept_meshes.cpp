@@ -1,6 +1,8 @@
 // Surface::exact of bodies that are kept where they touch, overlap or lie within others.
 #include "surface/kept_meshes.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <glm/common.hpp>
@@ -13,8 +15,8 @@
 #include "mesh/boxes.h"
 #include "mesh/near_boxes.h"
 #include "mesh/positions.h"
-#include "surface/bodies.h"
 #include "surface/closed_solid.h"
+#include "surface/contacts.h"
 #include "surface/exact_meshes.h"
 #include "surface/layer.h"
 #include "surface/vertex_numbers.h"
@@ -122,6 +124,52 @@ ClosedSolid layerOf(const Solid& solid, const Labels& labels, std::size_t layer)
   return out;
 }
 
+// Labels without eroded voxels: what is beside these goes on.
+Labels healed(Labels labels, const Progress* progress) {
+  std::vector<std::size_t> eroded;
+  for (std::size_t voxel = 0; voxel < labels.fragment.size(); ++voxel) {
+    if (labels.fragment[voxel] == Labels::kEroded) eroded.push_back(voxel);
+  }
+  const auto labelBeside = [&](std::size_t voxel) {
+    for (std::size_t side = 0; side < 6; ++side) {
+      const std::size_t beside = voxelBeside(*labels.blocks, voxel, side);
+      const std::uint16_t label = beside == kNoVoxel ? std::uint16_t{0} : labels.fragment[beside];
+      if (label != 0 && label != Labels::kEroded) return label;
+    }
+    return std::uint16_t{0};
+  };
+  while (!eroded.empty()) {
+    throwIfCancelled(progress);
+    std::vector<std::pair<std::size_t, std::uint16_t>> found;
+    std::erase_if(eroded, [&](std::size_t voxel) {
+      const std::uint16_t label = labelBeside(voxel);
+      if (label != 0) found.emplace_back(voxel, label);
+      return label != 0;
+    });
+    if (found.empty()) break;
+    for (const auto& [voxel, label] : found) labels.fragment[voxel] = label;
+  }
+  return labels;
+}
+
+// Sets the neighbors of faces that eroded voxels part from them: fragments of the same body.
+void setNeighbors(const ClosedSolid& part, std::vector<LabeledMesh>& meshes,
+                  const Progress* progress) {
+  const std::vector<std::uint16_t>& all = part.labels.fragment;
+  if (std::find(all.begin(), all.end(), Labels::kEroded) == all.end()) return;
+  const Labels labels = healed(part.labels, progress);
+  tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
+    TriangleMesh& mesh = meshes[i].mesh;
+    std::vector<bool> isKnown;
+    for (const std::uint16_t other : meshes[i].other) isKnown.push_back(other != Labels::kEroded);
+    mesh.neighbor =
+        neighborsOf(mesh, isKnown, static_cast<std::uint16_t>(i + 1), part.solid, labels, true);
+    for (std::size_t t = 0; t < isKnown.size(); ++t) {
+      if (isKnown[t]) mesh.neighbor[t] = meshes[i].other[t];
+    }
+  });
+}
+
 // Adds the meshes of a layer, and what was cut.
 void append(ExactSurface layer, const SolidMesh& own, ExactSurface& all, SolidMesh& whole) {
   addLayer(std::move(layer.meshes), all.meshes);
@@ -155,6 +203,7 @@ ExactSurface keptMeshes(const Solid& solid, const Labels& labels, double adaptiv
     ExactSurface surface = exactMeshes(
         part.solid, part.labels, leafNeighbors(part.labels.blocks->origins), adaptivity, progress);
     if (!surface.failure.empty()) return surface;
+    setNeighbors(part, surface.meshes, progress);
     append(std::move(surface), *own, all, whole);
   }
   if (whole.source.size() != solid.mesh->source.size() || all.united.before > 0) {

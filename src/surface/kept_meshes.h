@@ -11,7 +11,8 @@ namespace sherd {
 
 /// Returns the meshes of all fragments as exactMeshes does: each body is cut for itself, the whole
 /// of it.  Where its voxels are those of others, its fragments continue as far as they reach there.
-/// Bodies without voxels are left out.
+/// Bodies without voxels are left out.  Where cracks are eroded, faces have neighbors of their
+/// body.
 ///   solid   its mesh has bodies, see SolidMesh::body
 ///   throws  Error(cancelled)
 [[nodiscard]] ExactSurface keptMeshes(const Solid& solid, const Labels& labels, double adaptivity,

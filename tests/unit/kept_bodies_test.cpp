@@ -226,7 +226,8 @@ TEST_F(KeptBodies, WithoutVoxelsOfTheirOwnAreLeftOut) {
 
 TEST_F(KeptBodies, ErodeAtTheirCracksOnly) {
   const std::vector<TriangleMesh> bodies{boxFrom({0, 0, 0}, {16, 16, 10}),
-                                         boxFrom({5, 5, -6}, {11, 11, 16})};
+                                         boxFrom({3, 3, -6}, {13, 13, 16})};
+  const std::vector<std::uint32_t> bodyOfTriangle = joined(bodies).body;
   FractureOptions options = keptOptions(2, false);
   options.erode.iterations = 1;
   const FractureResult whole = fracture(joined(bodies).mesh, options, device());
@@ -235,9 +236,19 @@ TEST_F(KeptBodies, ErodeAtTheirCracksOnly) {
   const FractureResult result = fracture(joined(bodies).mesh, options, device());
   ASSERT_EQ(result.exactFailure, "");
   EXPECT_GT(result.eroded.front(), 0u);
+  std::vector<std::uint32_t> bodyOf;
   for (const Fragment& f : result.fragments) {
     EXPECT_EQ(openEdges(f.mesh), 0u);
     EXPECT_EQ(sherd::bodiesOf(f.mesh).size(), 1u);
+    const auto own = std::ranges::find_if(
+        f.mesh.source, [](std::uint32_t t) { return t != TriangleMesh::kNoSource; });
+    bodyOf.push_back(bodyOfTriangle[*own]);
+  }
+  for (const Fragment& f : result.fragments) {  // also where voxels are those of the other body
+    for (const std::uint16_t other : f.mesh.neighbor) {
+      if (other == 0) continue;
+      ASSERT_EQ(bodyOf[other - 1u], bodyOf[static_cast<std::size_t>(f.id) - 1]);
+    }
   }
 }
 

@@ -64,13 +64,15 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("dropShare", dropShare, 0.01);
   expectRecorded("missing", missing, 0.5);
 
-  auto& [resolution, voxelSize, fill, shellThickness, keepMesh, keepSeams] = solid;
-  EXPECT_FALSE(keepMesh);  // follows from the surface
-  EXPECT_TRUE(keepSeams);  // follows from the files
+  auto& [resolution, voxelSize, fill, shellThickness, bodies, objects, keepMesh, keepSeams] = solid;
+  EXPECT_FALSE(keepMesh);        // follows from the surface
+  EXPECT_TRUE(keepSeams);        // follows from the files
+  EXPECT_TRUE(objects.empty());  // the input's
   expectRecorded("resolution", resolution, 25);
   expectRecorded("resolution", resolution, kAutoResolution);
   expectRecorded("voxelSize", voxelSize, 0.1);
   expectRecorded("fill", fill, Fill::parity);
+  expectRecorded("bodies", bodies, MeetingBodies::keep);
   expectRecorded("shellThickness", shellThickness, 0.2);
 
   auto& [seedPieces, seedSeed, sampler, on, extraSeeds, extraSeedsPerPiece, mergeMetric, sizeSpread,
