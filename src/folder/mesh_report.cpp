@@ -187,7 +187,12 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
 std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureResult& result) {
   std::vector<std::string> warnings;
   const SolidReport& report = result.solid.report;
-  if (std::abs(difference(result)) > kVolumesAgree) {
+  // Voxels count what bodies have in common once, also where these are kept.
+  const bool isOfVoxels =
+      !result.fragments.empty() && ((!result.eroded.empty() && result.eroded.front() > 0) ||
+                                    result.fragments.front().meshedAs != Surface::exact);
+  const bool mayOverlap = report.keptBodies > 0 && isOfVoxels;
+  if (std::abs(difference(result)) > kVolumesAgree && !mayOverlap) {
     warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
                        ", the mesh's own " + text(meshVolume(result)) +
                        "; overlaps count once, and walls thinner than a voxel are lost");

@@ -289,6 +289,8 @@ class Exact(CommandLine):
             self.assertLess(max(abs(a - b) for a, b in zip(sums, volumes)), 1e-9)
             pairs = {tuple(sorted((body_of[f["id"]], body_of[c["id"]]))) for f in manifest["fragments"] for c in f["contacts"]}
             self.assertEqual({pair for pair in pairs if pair[0] != pair[1]}, {(0, 1), (0, 2), (1, 2)})
+            worn = self.exact("--bodies", "keep", "--erode-iterations", "1", *options, mesh=mesh, pieces=10, out=self.path("worn"))
+            self.assertNotIn("the mesh's own", "".join(line for line in worn.stderr.splitlines() if "warning" in line))
             found = json.loads(self.run_sherd("evaluate", self.out, "--json").stdout)
             self.assertEqual(found["sound"], 10)
             for fragment in found["fragments"]:
