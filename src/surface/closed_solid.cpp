@@ -128,6 +128,32 @@ class LabelsAdded {
     return 0;
   }
 
+  // Of the labels of a voxel's neighbors over faces, the one that most of all 26 have: so fewer
+  // fragments touch themselves.
+  [[nodiscard]] std::uint16_t mostAround(std::size_t voxel) const {
+    const std::uint16_t first = labelBeside(voxel);
+    std::vector<std::uint16_t> beside;  // others
+    for (std::size_t side = 0; side < 6; ++side) {
+      const std::size_t at = voxelBeside(blocks_, voxel, side);
+      const std::uint16_t label = at == kNoVoxel ? std::uint16_t{0} : labels_.fragment[at];
+      if (label != 0 && label != first) beside.push_back(label);
+    }
+    if (beside.empty()) return first;
+    beside.push_back(first);
+    std::sort(beside.begin(), beside.end());
+    std::vector<int> counts(beside.size(), 0);
+    const Coord center = blocks_.voxelAt(voxel);
+    for (int k = 0; k < 27; ++k) {
+      const std::size_t at = indexOf(blocks_, center + Coord(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
+      if (at == kNoVoxel) continue;
+      for (std::size_t i = 0; i < beside.size(); ++i) {
+        counts[i] += labels_.fragment[at] == beside[i] ? 1 : 0;
+      }
+    }
+    const auto most = std::max_element(counts.begin(), counts.end()) - counts.begin();
+    return beside[static_cast<std::size_t>(most)];
+  }
+
   [[nodiscard]] const VoxelMask& done() const { return done_; }
 
  private:
@@ -165,12 +191,20 @@ class LabelsAdded {
   VoxelMask open_, done_;
 };
 
-// Labels voxels from what is beside them, first those in the cell of a fragment beside them, so
-// that planes go on.  Returns those that are connected to labeled ones.
+// Labels voxels from what is beside them.  Returns those that are connected to labeled ones.
+VoxelMask labelBySteps(const LeafBlocks& blocks, const std::vector<Coord>& added, Labels& labels,
+                       const Progress* progress) {
+  LabelsAdded all(blocks, added, labels);
+  all.run(
+      added, [&](std::size_t voxel) { return all.labelBeside(voxel); }, progress);
+  return all.done();
+}
+
+// As above; first those in the cell of a fragment beside them, so that planes go on.
 //   cells  [added] or empty
-VoxelMask labelAdded(const LeafBlocks& blocks, const std::vector<Coord>& added,
-                     const std::vector<std::uint16_t>& cells, Labels& labels,
-                     const Progress* progress) {
+VoxelMask labelByCells(const LeafBlocks& blocks, const std::vector<Coord>& added,
+                       const std::vector<std::uint16_t>& cells, Labels& labels,
+                       const Progress* progress) {
   LabelsAdded all(blocks, added, labels);
   if (!cells.empty()) {
     std::vector<std::pair<std::size_t, std::uint16_t>> cellAt;
@@ -185,7 +219,7 @@ VoxelMask labelAdded(const LeafBlocks& blocks, const std::vector<Coord>& added,
     all.run(added, inItsCell, progress);
   }
   all.run(
-      added, [&](std::size_t voxel) { return all.labelBeside(voxel); }, progress);
+      added, [&](std::size_t voxel) { return all.mostAround(voxel); }, progress);
   return all.done();
 }
 
@@ -199,7 +233,9 @@ ClosedSolid closedSolid(const Solid& solid, const Labels& labels, const Triangle
                                                ? cellsOf(labels, added.voxels, progress)
                                                : std::vector<std::uint16_t>{};
   LeafBlocks blocks = withLeaves(*solid.blocks, added.origins, out.labels);
-  const VoxelMask more = labelAdded(blocks, added.voxels, cells, out.labels, progress);
+  const VoxelMask more = extension == Extension::cells
+                             ? labelByCells(blocks, added.voxels, cells, out.labels, progress)
+                             : labelBySteps(blocks, added.voxels, out.labels, progress);
   const VoxelMask all(more.size(), ~std::uint64_t{0});
   const VoxelMask around = grownBySteps(blocks, more, all, kBandSteps);
   for (std::size_t word = 0; word < more.size(); ++word) {
