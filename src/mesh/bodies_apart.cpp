@@ -25,7 +25,23 @@ struct Half {
   bool isForward = false;
 };
 
+// Returns [groups] whether a group is inside out.
+std::vector<bool> areInverted(const TriangleMesh& mesh, const std::vector<std::uint32_t>& group) {
+  std::vector<double> volumes(std::size_t{*std::ranges::max_element(group)} + 1, 0.0);
+  const glm::dvec3& from = mesh.vertices[mesh.triangles.front().x];
+  for (std::size_t t = 0; t < group.size(); ++t) {
+    const glm::uvec3& c = mesh.triangles[t];
+    volumes[group[t]] += glm::dot(mesh.vertices[c.x] - from,
+                                  glm::cross(mesh.vertices[c.y] - from, mesh.vertices[c.z] - from));
+  }
+  std::vector<bool> inverted;
+  for (const double own : volumes) inverted.push_back(own < 0.0);
+  return inverted;
+}
+
+// As of groups that are oriented outwards.
 std::vector<Half> sortedHalves(const TriangleMesh& mesh, const std::vector<std::uint32_t>& group) {
+  const std::vector<bool> inverted = areInverted(mesh, group);
   std::vector<Half> halves;
   halves.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -33,8 +49,8 @@ std::vector<Half> sortedHalves(const TriangleMesh& mesh, const std::vector<std::
       const glm::uvec3& c = mesh.triangles[t];
       const std::uint32_t from = c[k], to = c[(k + 1) % 3];
       if (from == to) continue;
-      halves.push_back(
-          {std::min(from, to), std::max(from, to), group[t], t, c[(k + 2) % 3], from < to});
+      halves.push_back({std::min(from, to), std::max(from, to), group[t], t, c[(k + 2) % 3],
+                        (from < to) != inverted[group[t]]});
     }
   }
   std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {

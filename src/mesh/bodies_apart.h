@@ -12,7 +12,7 @@ namespace sherd {
 /// own at the same positions.  Triangles keep their order and their attributes.  Along an edge of
 /// more than two triangles those belong to one body that have the inside between them; sheets
 /// without a volume stay with what they touch.
-///   mesh     oriented outwards
+///   mesh     oriented outwards, or all of it inwards
 ///   objects  [triangles] the object of each, or empty: closed objects are bodies of their own,
 ///            even where they share faces
 [[nodiscard]] TriangleMesh withBodiesApart(TriangleMesh mesh,

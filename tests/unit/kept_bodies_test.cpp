@@ -299,6 +299,19 @@ TEST(BodiesApart, ShareNoVertices) {
   }
 }
 
+// Four bodies at an edge, eight at a vertex; oriented outwards, or inwards as a whole.
+TEST(BodiesApart, FillSpace) {
+  std::vector<TriangleMesh> cells;
+  for (int i = 0; i < 27; ++i) {
+    cells.push_back(shapes::cube(1.0, glm::dvec3(i % 3, i / 3 % 3, i / 9)));
+  }
+  for (const std::vector<TriangleMesh>& bodies : {cells, rotated(cells)}) {
+    const TriangleMesh all = joined(bodies).mesh;
+    EXPECT_EQ(meshComponents(withBodiesApart(all)).count, 27u);
+    EXPECT_EQ(meshComponents(withBodiesApart(shapes::inverted(all))).count, 27u);
+  }
+}
+
 // Copies of a body are bodies; a sheet that is there twice is none.
 TEST(BodiesApart, CopiesAreBodiesAndSheetsAreNot) {
   const TriangleMesh ball = shapes::ball(1.0, 2);
