@@ -183,6 +183,13 @@ inline constexpr int kAutoResolution = 0;
 /// Range of automatic resolutions.
 inline constexpr int kLeastAutoResolution = 128, kMostAutoResolution = 512;
 
+/// What bodies of a mesh are that overlap, touch or lie within others.
+enum class MeetingBodies {
+  unite,  ///< one body: their union
+  keep,   ///< bodies of their own, each broken for itself.  A voxel in several belongs to that of
+          ///< the least volume.  Of closed meshes that are filled by winding numbers
+};
+
 struct SolidOptions {
   int resolution = kAutoResolution;  ///< voxels along the mesh's longest side, 8..4096, or
                                      ///< kAutoResolution; used when voxelSize is 0
@@ -190,8 +197,12 @@ struct SolidOptions {
   Fill fill = Fill::automatic;
   double shellThickness = 0.0;  ///< world units, at most the mesh's longest side; 0: 2.5 voxels.
                                 ///< For Fill::shell; with Fill::automatic, above 0 selects a shell
-  bool keepMesh = false;        ///< sets Solid::mesh, which Surface::exact needs
-  bool keepSeams = true;        ///< sets Solid::seams, along which meshes are cut
+  MeetingBodies bodies = MeetingBodies::unite;
+  std::vector<std::uint32_t> objects{};  ///< [triangles] the object of each, or empty: with
+                                         ///< MeetingBodies::keep closed objects are bodies of their
+                                         ///< own where they share vertices
+  bool keepMesh = false;                 ///< sets Solid::mesh, which Surface::exact needs
+  bool keepSeams = true;                 ///< sets Solid::seams, along which meshes are cut
 };
 
 /// The resolution of a solid and its origin.
@@ -216,6 +227,10 @@ struct SolidReport {
   std::uint64_t bridges = 0;  ///< voxels added where those of a wall share only an edge or corner
   std::uint64_t nearBodies = 0;  ///< bodies nearer than a voxel to others, which stay apart
   bool hasJoinedBodies = false;  ///< too many bodies are too near each other to stay apart
+  std::uint64_t keptBodies = 0;  ///< with MeetingBodies::keep, of a mesh of several bodies; else 0
+  bool lacksBodies = false;  ///< with MeetingBodies::keep, of a mesh that is open or not filled by
+                             ///< winding numbers: its bodies are not known
+  std::uint64_t hiddenBodies = 0;  ///< of these, without voxels of their own: they are left out
 };
 
 class Seams;
@@ -229,6 +244,9 @@ struct SolidMesh {
                                        ///< of faces that close holes
   std::vector<std::uint16_t> layer{};  ///< [triangles] of their bodies, see LeafBlocks::layers;
                                        ///< empty: all in layer 0
+  std::vector<std::uint32_t> body{};   ///< [triangles] with MeetingBodies::keep: the body of each,
+                                       ///< numbered from 0 in the order of first triangles; empty:
+                                       ///< bodies that overlap or touch are one
 };
 
 /// Holes of the input that Surface::exact closes by faces of their own.

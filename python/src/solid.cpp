@@ -191,6 +191,7 @@ sherd::Solid solidOf(Read& read, sherd::FractureOptions options, std::uint64_t m
   if (read.solid) return std::move(*read.solid);
   if (read.voxelSize > 0.0) options.solid.voxelSize = read.voxelSize;
   sherd::requireMemory(read.source.mesh, options, memory);
+  options.solid.objects = read.source.objectOfTriangle;
   options.solid.keepMesh = surfaceOf(options) == sherd::Surface::exact;
   return sherd::voxelize(read.source.mesh, options.solid, &progress);
 }

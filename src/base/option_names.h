@@ -7,6 +7,7 @@ namespace sherd::names {
 
 inline constexpr const char* kMetric[] = {"euclidean", "chebyshev", "manhattan"};
 inline constexpr const char* kFill[] = {"auto", "winding", "parity", "flood", "shell"};
+inline constexpr const char* kBodies[] = {"unite", "keep"};
 inline constexpr const char* kSampler[] = {"uniform", "halton", "gaussian", "poisson"};
 inline constexpr const char* kSeedsOn[] = {"auto", "volume", "surface", "wall"};
 inline constexpr const char* kSizes[] = {"grown", "uniform", "lognormal", "power", "exponential"};

@@ -376,8 +376,8 @@ void addSelection(CLI::App& command, FractureArguments& arguments) {
           ->transform(wholeNumber(1, kMaxFragments))
           ->type_name("ID,...");
   for (const char* option : {"--resolution", "--voxel-size", "--seeds", "--missing", "--drop-share",
-                             "--erode-iterations", "--fill", "--shell-thickness", "--grid",
-                             "--isovalue", "--recenter", "--source-faces"}) {
+                             "--erode-iterations", "--fill", "--shell-thickness", "--bodies",
+                             "--grid", "--isovalue", "--recenter", "--source-faces"}) {
     only->excludes(option);
   }
   command

@@ -133,7 +133,9 @@ class ObjectRun {
         },
         heldBytes());
     PreparedSolid ready = timed("voxelize", [&] {
-      return prepared(voxelize(source.mesh, base.solid, &progress_), run_.device);
+      SolidOptions own = base.solid;
+      own.objects = source.objectOfTriangle;
+      return prepared(voxelize(source.mesh, own, &progress_), run_.device);
     });
     base.solid.voxelSize = ready.solid.frame.voxelSize;
     memory_ = estimatedMemory(source.mesh, base) + sampleMemory(write, base.pieces, heldBytes());

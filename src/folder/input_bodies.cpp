@@ -41,11 +41,31 @@ std::vector<std::vector<std::string>> InputBodies::objects(const SourceMesh& sou
   return names;
 }
 
+namespace {
+
+// Returns bodies that are kept: none of them are united.
+InputBodies keptBodies(const SolidMesh& mesh) {
+  InputBodies found;
+  for (const std::uint32_t body : mesh.body) {
+    found.count = std::max(found.count, std::size_t{body} + 1);
+  }
+  found.united = found.count;
+  const std::uint32_t last = *std::ranges::max_element(mesh.source);
+  found.ofTriangle.assign(last + std::size_t{1}, InputBodies::kNone);
+  for (std::size_t t = 0; t < mesh.body.size(); ++t) {
+    found.ofTriangle[mesh.source[t]] = mesh.body[t];
+  }
+  return found;
+}
+
+}  // namespace
+
 InputBodies inputBodies(const FractureResult& result, const FractureOptions& options) {
   const Solid& solid = result.solid;
   if (!isExact(options, result) || solid.mesh == nullptr || isShell(solid)) return {};
   // Bodies that touch in vertices alone may be one component, but are united.
   if (result.united.mesh == nullptr && solid.report.defects.components < 2) return {};
+  if (!solid.mesh->body.empty()) return keptBodies(*solid.mesh);
   std::vector<TriangleMesh> bodies = bodiesOf(solid.mesh->mesh);
   if (bodies.size() < 2) return {};
   const std::vector<std::uint32_t>& source = solid.mesh->source;

@@ -235,7 +235,8 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
 
   if (report.nearBodies > 0) {
     done += "; " + std::to_string(report.nearBodies) +
-            " bodies closer than a voxel to others kept apart";
+            (report.keptBodies > 0 ? " bodies that touch or overlap others, or nearly, kept"
+                                   : " bodies closer than a voxel to others kept apart");
   }
 
   std::string volumes = "volume " + text(solidVolume(result));
@@ -255,7 +256,12 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   std::vector<std::string> warnings;
   const SolidReport& report = result.solid.report;
   const MeshDefects& defects = report.defects;
-  if (std::abs(difference(result)) > kVolumesAgree) {
+  // Voxels count what bodies have in common once, also where these are kept.
+  const bool isOfVoxels =
+      !result.fragments.empty() && ((!result.eroded.empty() && result.eroded.front() > 0) ||
+                                    result.fragments.front().meshedAs != Surface::exact);
+  const bool mayOverlap = report.keptBodies > 0 && isOfVoxels;
+  if (std::abs(difference(result)) > kVolumesAgree && !mayOverlap) {
     warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
                        ", the mesh's own " + text(meshVolume(result)) +
                        "; overlaps count once, and walls thinner than a voxel are lost");
@@ -270,6 +276,18 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   }
   for (std::string& clause : smallPieces(result)) {
     warnings.push_back(titleOf(source) + ": " + std::move(clause));
+  }
+  if (report.hiddenBodies > 0) {
+    warnings.push_back(titleOf(source) + ": " + std::to_string(report.hiddenBodies) +
+                       (report.hiddenBodies == 1 ? " body has no voxels of its own and is left out"
+                                                 : " bodies have no voxels of their own and are "
+                                                   "left out") +
+                       ": thinner than voxels, or within smaller bodies");
+  }
+  if (report.lacksBodies) {
+    warnings.push_back(titleOf(source) +
+                       ": bodies are not kept, since they are known of closed meshes that are "
+                       "filled by winding only");
   }
   if (report.hasJoinedBodies) {
     warnings.push_back(titleOf(source) +

@@ -126,7 +126,9 @@ GrownFracture grownFrom(FractureInput& input, const FractureOptions& options, De
     return regrown(*input.finished, input.only, options, device, progress);
   }
   if (input.solid) return grown(std::move(*input.solid), options, device, progress);
-  return grown(input.source.mesh, options, device, progress);
+  FractureOptions own = options;
+  own.solid.objects = input.source.objectOfTriangle;
+  return grown(input.source.mesh, own, device, progress);
 }
 
 }  // namespace

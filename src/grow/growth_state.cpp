@@ -62,11 +62,13 @@ const DeviceBuffer& GrowthState::neighbors27() {
   return *neighbors27_;
 }
 
-DeviceLabels makeLabels(GrowthState& state) {
-  return {makeBuffer<std::uint16_t>(state.device, state.voxels()),
-          makeBuffer<std::uint32_t>(state.device, state.items),
-          makeBuffer<std::uint64_t>(state.device, 3 * state.words())};
+DeviceLabels makeLabels(DeviceImpl& device, std::size_t items) {
+  return {makeBuffer<std::uint16_t>(device, items * SHERD_LEAF_SIZE),
+          makeBuffer<std::uint32_t>(device, items),
+          makeBuffer<std::uint64_t>(device, 3 * items * SHERD_LEAF_WORDS)};
 }
+
+DeviceLabels makeLabels(GrowthState& state) { return makeLabels(state.device, state.items); }
 
 DeviceLabels labelsPerVoxel(GrowthState& state, const DeviceBuffer& owner) {
   return {owner, state.filled<std::uint32_t>(state.items, SHERD_TAG_MIXED),

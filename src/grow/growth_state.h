@@ -75,6 +75,7 @@ struct DeviceLabels {
 
 /// Returns buffers for labels, uninitialized.
 [[nodiscard]] DeviceLabels makeLabels(GrowthState& state);
+[[nodiscard]] DeviceLabels makeLabels(DeviceImpl& device, std::size_t items);
 
 /// Returns labels that are all stored per voxel.
 ///   owner  [items*512]

@@ -9,7 +9,8 @@
 
 namespace sherd {
 
-/// Label every inside voxel by a kernel with the arguments of `nearest`.  The cost is computed only
+/// Label every inside voxel by a kernel with the arguments of `nearest`: with one of the seeds in
+/// its layer.  The cost is computed only
 /// with `keepCost`.
 ///   walls  [fractures] see GrowOptions::walls
 [[nodiscard]] Grown growByKernel(GrowthState& state, const SeedTable& seeds, const char* kernel,

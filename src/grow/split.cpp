@@ -223,7 +223,7 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   const DeviceBuffer origins = state.uploadOrigins(lowest);
   std::vector<std::shared_ptr<const WallMiddles>> middles;
   for (const SplitRun& run : runs) middles.push_back(run.middles);
-  const WaysOnDevice ways = uploadWays(state, middles);
+  const WaysOnDevice ways = WallWays(state, middles).uploaded(state.device);
   const std::vector<glm::ivec3> low = lowestOfLeaves(state.blocks, lowest);
   SplitGrowth grown{componentLabels(state, components, fractures), {}};
   SplitNodes nodes = SplitNodes::withoutRoots(state, grown.labels);

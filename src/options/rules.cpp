@@ -70,6 +70,15 @@ std::vector<Rule> solidRules() {
          return fill != Fill::automatic && fill != Fill::shell;
        },
        "makes a shell, which {fill} winding, parity and flood do not; omit one of them"},
+      {{"bodies"},
+       Verdict::conflict,
+       [](O o, U) {
+         const SolidOptions& solid = o.fracture.solid;
+         const bool isWinding = solid.fill == Fill::automatic || solid.fill == Fill::winding;
+         return solid.bodies == MeetingBodies::keep && (!isWinding || solid.shellThickness > 0.0);
+       },
+       "keep applies to meshes that are filled by winding, and {fill} parity, flood and shell and "
+       "{shell-thickness} choose otherwise; omit one of them"},
       {{"grid", "isovalue"},
        Verdict::conflict,
        [](O, U u) { return !isVdb(u); },
@@ -461,7 +470,7 @@ std::vector<std::string> idleOptions(const Volume& volume, const OptionUse& use)
     if (use.isGiven(option)) sentences.push_back(sentenceOn(option, sentence, use));
   };
   if (volume.solid) {
-    for (const char* option : {"fill", "shell-thickness"}) {
+    for (const char* option : {"fill", "shell-thickness", "bodies"}) {
       addIfGiven(option,
                  "does nothing with a level set's own voxels; {resolution} or {voxel-size} "
                  "resamples it");

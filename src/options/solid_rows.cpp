@@ -130,6 +130,15 @@ const Row kSolidRows[]{
      .key = "shell_thickness",
      .recorded = [](R o) { return o.fracture.solid.shellThickness > 0.0; },
      .unit = "world units"},
+    {.name = "bodies",
+     .group = "Solid",
+     .value = V::choice(kSolid, &SolidOptions::bodies, names::kBodies),
+     .help = "What closed bodies that touch, overlap or lie within others are: united to one, or "
+             "kept and each broken for itself",
+     .details = "`unite`: closed bodies that touch, overlap or lie within others are one body. "
+                "`keep`: each is broken for itself, and keeps all its faces (below)",
+     .key = "bodies",
+     .recorded = [](R o) { return o.fracture.solid.bodies == MeetingBodies::keep; }},
     {.name = "recenter",
      .group = "Solid",
      .value = V::flag(

@@ -11,6 +11,12 @@ struct ClosedSolid {
   Labels labels{};  ///< of these blocks
 };
 
+/// What decides which label goes on into the voxels that are added.
+enum class Extension {
+  steps,  ///< the fewest steps over faces
+  cells,  ///< the fragment's cell where that is known (see cellsOf), and then steps
+};
+
 /// Adds the voxels that are inside a closed mesh, with the label of what they are connected to, and
 /// an exterior band around them.  Faces that close holes may lie farther beyond the solid than
 /// cracks overhang it: its own holes are closed where the winding number is 0.5, which is inwards
@@ -19,6 +25,7 @@ struct ClosedSolid {
 ///   throws  Error(cancelled)
 [[nodiscard]] ClosedSolid closedSolid(const Solid& solid, const Labels& labels,
                                       const TriangleMesh& closed,
-                                      const Progress* progress = nullptr);
+                                      const Progress* progress = nullptr,
+                                      Extension extension = Extension::steps);
 
 }  // namespace sherd

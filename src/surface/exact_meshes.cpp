@@ -18,6 +18,7 @@
 #include "surface/crack_surface.h"
 #include "surface/cut.h"
 #include "surface/exact_by_cluster.h"
+#include "surface/kept_meshes.h"
 #include "surface/label_reader.h"
 #include "surface/layer.h"
 #include "surface/loose_bodies.h"
@@ -190,10 +191,7 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
         progress);
     if (!surface.failure.empty()) return surface;
     setSources(surface, own.source);
-    for (std::size_t i = 0; i < all.meshes.size(); ++i) {
-      if (surface.meshes[i].mesh.triangles.empty()) continue;
-      all.meshes[i] = std::move(surface.meshes[i]);
-    }
+    addLayer(std::move(surface.meshes), all.meshes);
   }
   setPositions(all.meshes);
   return all;
@@ -263,6 +261,7 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels, const Labels*
   if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
     return {.failure = std::move(obstacle)};
   }
+  if (!solid.mesh->body.empty()) return keptMeshes(solid, labels, adaptivity, progress);
   ExactSurface surface = cutTogether(solid, labels, neighborhoods, adaptivity, progress);
   if (!surface.failure.empty()) {
     const auto cut = [&](const ClusterSolid& part) {

@@ -18,7 +18,8 @@ namespace sherd {
 /// The meshes of all fragments, or why there are none.
 struct ExactSurface {
   std::vector<LabeledMesh> meshes{};   ///< [fragments] by id, with TriangleMesh::source by the
-                                       ///< triangles of the mesh that is cut
+                                       ///< triangles of the mesh that is cut; their
+                                       ///< TriangleMesh::neighbor is empty, or known
   std::string failure{};               ///< a clause; empty if `meshes` are valid
   std::vector<SmoothBodies> smooth{};  ///< whose fragments have no meshes, as others could be cut
   bool isDegenerate = false;           ///< cracks that are displaced a little may succeed

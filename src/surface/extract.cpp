@@ -183,6 +183,7 @@ void Extraction::makeExact(ExactSurface exact) {
   }
   for (std::size_t i = 0; i < count_; ++i) {
     LabeledMesh& mesh = exact.meshes[i];
+    if (!mesh.mesh.neighbor.empty()) continue;  // set where voxels are those of other bodies
     mesh.mesh.neighbor = mesh.other;
     if (!uneroded_ || isSmooth(i)) continue;
     mesh.mesh.neighbor = neighborsOf(mesh.mesh, onSolid(mesh), static_cast<std::uint16_t>(i + 1),

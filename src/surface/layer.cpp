@@ -1,6 +1,8 @@
 // One layer of a solid.
 #include "surface/layer.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -51,6 +53,18 @@ SolidMesh meshOfLayer(const SolidMesh& mesh, std::size_t layer) {
     own.source.push_back(mesh.source[t]);
   }
   return own;
+}
+
+void addLayer(std::vector<LabeledMesh> layer, std::vector<LabeledMesh>& all) {
+  std::uint32_t positions = 0;  // of other layers
+  for (const LabeledMesh& mesh : all) {
+    for (const std::uint32_t id : mesh.positionId) positions = std::max(positions, id + 1);
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (layer[i].mesh.triangles.empty()) continue;
+    all[i] = std::move(layer[i]);
+    for (std::uint32_t& id : all[i].positionId) id += positions;
+  }
 }
 
 }  // namespace sherd

@@ -5,6 +5,9 @@
 #include <sherd/solid.h>
 
 #include <cstddef>
+#include <vector>
+
+#include "surface/complex.h"
 
 namespace sherd {
 
@@ -18,5 +21,9 @@ namespace sherd {
 
 /// Returns the triangles of one layer, with all vertices.
 [[nodiscard]] SolidMesh meshOfLayer(const SolidMesh& mesh, std::size_t layer);
+
+/// Adds the meshes of the fragments of one layer to those of others.
+///   layer, all  [fragments]; no mesh is in both
+void addLayer(std::vector<LabeledMesh> layer, std::vector<LabeledMesh>& all);
 
 }  // namespace sherd

@@ -46,23 +46,6 @@ std::size_t bodiesBeside(const std::vector<std::array<std::uint32_t, 2>>& compon
   return bodies;
 }
 
-// Returns [count] the layer of each body: the lowest that no neighbor with a lower name has.
-std::vector<std::uint16_t> layersOf(const Pairs& pairs, std::size_t count) {
-  std::vector<std::uint16_t> layer(count, 0);
-  for (auto from = pairs.begin(); from != pairs.end();) {
-    const std::uint32_t own = from->first;
-    std::vector<std::uint16_t> taken;
-    for (; from != pairs.end() && from->first == own; ++from) {
-      if (from->second < own) taken.push_back(layer[from->second]);
-    }
-    std::sort(taken.begin(), taken.end());
-    for (const std::uint16_t each : taken) {
-      if (each == layer[own]) ++layer[own];
-    }
-  }
-  return layer;
-}
-
 // The voxels of one layer, by flooding.
 class LayerFlood {
  public:
@@ -178,6 +161,31 @@ VoxelMask voxelsOf(std::uint16_t layer, const LayerSource& from, const Progress*
 
 }  // namespace
 
+std::vector<std::uint16_t> layersApart(
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs, std::size_t bodies,
+    std::uint32_t spread) {
+  std::vector<std::uint16_t> layer;
+  for (std::uint32_t own = 0; own < bodies; ++own) {
+    layer.push_back(static_cast<std::uint16_t>(own % spread));
+  }
+  for (auto from = pairs.begin(); from != pairs.end();) {
+    const std::uint32_t own = from->first;
+    std::vector<std::uint16_t> taken;
+    for (; from != pairs.end() && from->first == own; ++from) {
+      if (from->second < own) taken.push_back(layer[from->second]);
+    }
+    std::sort(taken.begin(), taken.end());
+    const auto isTaken = [&](std::uint32_t each) {
+      return std::binary_search(taken.begin(), taken.end(), each);
+    };
+    std::uint32_t k = 0;
+    const auto candidate = [&] { return k < spread ? (own + k) % spread : k; };
+    while (isTaken(candidate())) ++k;
+    layer[own] = static_cast<std::uint16_t>(candidate());
+  }
+  return layer;
+}
+
 BodyLayers bodyLayers(const LeafBlocks& blocks, const SearchedMesh& mesh,
                       std::span<const glm::dvec3> vertices, const Progress* progress) {
   const MeshComponents components = meshComponents(mesh.mesh);
@@ -191,7 +199,7 @@ BodyLayers bodyLayers(const LeafBlocks& blocks, const SearchedMesh& mesh,
       disjointBodies(vertices, mesh.mesh, components, isNear, progress);
   const Pairs pairs = pairsOf(owners.nearPairs(), body);
   if (pairs.empty()) return {};
-  const std::vector<std::uint16_t> layerOfBody = layersOf(pairs, components.count);
+  const std::vector<std::uint16_t> layerOfBody = layersApart(pairs, components.count);
   std::vector<std::uint8_t> isBodyNear(components.count, 0);
   for (const auto& [a, b] : pairs) isBodyNear[a] = 1;
   BodyLayers out;

@@ -14,49 +14,6 @@
 namespace sherd {
 namespace {
 
-// The components of a mesh as meshes of their own.
-class Components {
- public:
-  Components(std::span<const glm::dvec3> vertices, const TriangleMesh& mesh,
-             const MeshComponents& components)
-      : vertices_(vertices), triangles_(components.count) {
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      triangles_[components.ofTriangle[t]].push_back(mesh.triangles[t]);
-    }
-  }
-
-  [[nodiscard]] std::size_t count() const { return triangles_.size(); }
-
-  [[nodiscard]] TriangleMesh joined(std::span<const std::uint32_t> some) const {
-    TriangleMesh out;
-    std::vector<std::uint32_t> used;
-    for (const std::uint32_t c : some) {
-      for (const glm::uvec3& t : triangles_[c]) used.insert(used.end(), {t.x, t.y, t.z});
-    }
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    const auto numberOf = [&](std::uint32_t v) {
-      return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) -
-                                        used.begin());
-    };
-    for (const std::uint32_t v : used) out.vertices.push_back(vertices_[v]);
-    for (const std::uint32_t c : some) {
-      for (const glm::uvec3& t : triangles_[c]) {
-        out.triangles.emplace_back(numberOf(t.x), numberOf(t.y), numberOf(t.z));
-      }
-    }
-    return out;
-  }
-
-  [[nodiscard]] glm::dvec3 point(std::uint32_t component) const {
-    return vertices_[triangles_[component].front().x];
-  }
-
- private:
-  std::span<const glm::dvec3> vertices_;
-  std::vector<std::vector<glm::uvec3>> triangles_;
-};
-
 // A part of the mesh that encloses points of space.
 class Enclosure {
  public:
@@ -79,8 +36,9 @@ class Enclosure {
   std::optional<TriangleTree> tree_{};  // made when needed
 };
 
-// Joins each cavity to the smallest body around it.
-void joinCavities(const Components& components, UnionFind& bodies) {
+// Joins each cavity to the smallest body around it.  What fills the cavity is not around it.
+void joinCavities(const ComponentMeshes& components, UnionFind& bodies) {
+  constexpr double kRounding = 1e-9;
   std::vector<Enclosure> all;
   for (std::uint32_t c = 0; c < components.count(); ++c) {
     all.emplace_back(components.joined(std::span(&c, 1)));
@@ -99,6 +57,7 @@ void joinCavities(const Components& components, UnionFind& bodies) {
     for (const std::uint32_t i : tree.meeting({p, p})) {
       Enclosure& outside = all[outsides[i]];
       if (smallest && outside.enclosed() >= all[*smallest].enclosed()) continue;
+      if (outside.enclosed() <= -(1.0 + kRounding) * all[cavity].enclosed()) continue;
       if (outside.contains(p)) smallest = outsides[i];
     }
     if (smallest) bodies.unite(cavity, *smallest);
@@ -107,7 +66,7 @@ void joinCavities(const Components& components, UnionFind& bodies) {
 
 // Joins bodies to those within whose solids they lie.
 //   body  [components] with their cavities
-void joinNested(const Components& components, const std::vector<std::uint32_t>& body,
+void joinNested(const ComponentMeshes& components, const std::vector<std::uint32_t>& body,
                 std::span<const std::uint8_t> near, UnionFind& bodies, const Progress* progress) {
   std::vector<std::vector<std::uint32_t>> parts(components.count());  // of bodies, by their name
   for (std::uint32_t c = 0; c < body.size(); ++c) parts[body[c]].push_back(c);
@@ -136,15 +95,21 @@ void joinNested(const Components& components, const std::vector<std::uint32_t>& 
 
 }  // namespace
 
+std::vector<std::uint32_t> withCavities(const ComponentMeshes& components) {
+  UnionFind bodies(components.count());
+  joinCavities(components, bodies);
+  return std::move(bodies).all();
+}
+
 std::vector<std::uint32_t> disjointBodies(std::span<const glm::dvec3> vertices,
                                           const TriangleMesh& mesh,
                                           const MeshComponents& components,
                                           std::span<const std::uint8_t> near,
                                           const Progress* progress) {
-  const Components parts(vertices, mesh, components);
+  const ComponentMeshes parts(vertices, mesh, components);
+  const std::vector<std::uint32_t> body = withCavities(parts);
   UnionFind bodies(components.count);
-  joinCavities(parts, bodies);
-  const std::vector<std::uint32_t> body = UnionFind(bodies).all();
+  for (std::uint32_t c = 0; c < components.count; ++c) bodies.unite(c, body[c]);
   std::vector<std::uint32_t> bodyOfTriangle;
   for (const std::uint32_t c : components.ofTriangle) bodyOfTriangle.push_back(body[c]);
   for (const auto& [s, t] :

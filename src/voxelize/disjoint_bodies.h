@@ -9,7 +9,13 @@
 #include <span>
 #include <vector>
 
+#include "voxelize/component_meshes.h"
+
 namespace sherd {
+
+/// Returns [components] the name of each one's body, which is that of its first component: cavities
+/// are joined to the smallest component around them.
+[[nodiscard]] std::vector<std::uint32_t> withCavities(const ComponentMeshes& components);
 
 /// Returns [components] the name of each one's body, which is that of one of its components.
 /// Components are one body if they touch or cross, decided exactly, if one is a cavity of the

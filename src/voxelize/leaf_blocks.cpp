@@ -23,6 +23,15 @@ std::size_t voxelBehind(const LeafBlocks& blocks, std::size_t voxel, std::size_t
   return leaf == LeafBlocks::kNone ? kNoVoxel : std::size_t{leaf} * 512 + voxel % 512 - 7 * step;
 }
 
+std::size_t voxelBeside(const LeafBlocks& blocks, std::size_t voxel, std::size_t side) {
+  static constexpr std::size_t kStep[] = {64, 8, 1};
+  if (side % 2 == 1) return voxelBehind(blocks, voxel, side / 2);
+  const std::size_t step = kStep[side / 2];
+  if (voxel / step % 8 != 0) return voxel - step;
+  const std::uint32_t leaf = blocks.neighbors[voxel / 512 * 6 + side];
+  return leaf == LeafBlocks::kNone ? kNoVoxel : std::size_t{leaf} * 512 + voxel % 512 + 7 * step;
+}
+
 std::uint64_t insideOfLayer(const LeafBlocks& blocks, std::size_t layer, std::size_t word) {
   if (layer > 0) return blocks.layers[layer - 1][word];
   std::uint64_t own = blocks.inside[word];

@@ -18,6 +18,10 @@ inline constexpr std::size_t kNoVoxel = ~std::size_t{0};
 [[nodiscard]] std::size_t voxelBehind(const LeafBlocks& blocks, std::size_t voxel,
                                       std::size_t axis);
 
+/// Returns the voxel beside one, on a side in the order of LeafBlocks::neighbors, or kNoVoxel.
+[[nodiscard]] std::size_t voxelBeside(const LeafBlocks& blocks, std::size_t voxel,
+                                      std::size_t side);
+
 /// Returns a word of the inside voxels of a layer.
 [[nodiscard]] std::uint64_t insideOfLayer(const LeafBlocks& blocks, std::size_t layer,
                                           std::size_t word);

@@ -12,6 +12,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/formatted.h"
+#include "mesh/bodies_apart.h"
 #include "mesh/joined.h"
 #include "mesh/repair.h"
 #include "mesh/seams.h"
@@ -19,6 +20,7 @@
 #include "voxelize/bridges.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
+#include "voxelize/kept_bodies.h"
 #include "voxelize/region.h"
 #include "voxelize/walls.h"
 #include "voxelize/work_limit.h"
@@ -93,12 +95,11 @@ bool isAutomatic(const SolidOptions& options) {
   return options.voxelSize == 0.0 && options.resolution == kAutoResolution;
 }
 
-// Sets the voxels, with how they were filled, which may be none.  Returns the layers of triangles,
-// see BodyLayers.
+// Sets the voxels, with how they were filled, which may be none.  Returns the layers and bodies of
+// triangles, see BodyLayers.
 //   source  the mesh, world units
-std::vector<std::uint16_t> fill(Solid& solid, const Filling& filling, const MeshInGrid& in,
-                                const TriangleMesh& source, const SolidOptions& options,
-                                const Progress* progress) {
+BodyLayers fill(Solid& solid, const Filling& filling, const MeshInGrid& in,
+                const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
   const double voxelSize = solid.frame.voxelSize;
   SolidReport& report = solid.report;
   report.fill = filling.fill;
@@ -114,11 +115,20 @@ std::vector<std::uint16_t> fill(Solid& solid, const Filling& filling, const Mesh
   const std::vector<std::size_t> bridges = bridgesOf(blocks, filling, progress);
   addVoxels(*distance, blocks, bridges);
   BodyLayers layers;
-  if (filling.fill == Fill::winding && report.defects.closed()) {
-    layers = bodyLayers(blocks, in.clean, source.vertices, progress);
+  const bool areKnown = filling.fill == Fill::winding && report.defects.closed();
+  report.lacksBodies = options.bodies == MeetingBodies::keep && !areKnown;
+  if (areKnown) {
+    if (options.bodies == MeetingBodies::keep) layers = keptLayers(blocks, in.clean, progress);
+    if (layers.kept == 0) {
+      const bool areJoined = layers.areJoined;
+      layers = bodyLayers(blocks, in.clean, source.vertices, progress);
+      layers.areJoined = layers.areJoined || areJoined;
+    }
     blocks.layers = std::move(layers.voxels);
     report.nearBodies = layers.bodies;
     report.hasJoinedBodies = layers.areJoined;
+    report.keptBodies = layers.kept;
+    report.hiddenBodies = layers.hidden;
   }
   solid.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
   report.bridges = bridges.size();
@@ -129,13 +139,13 @@ std::vector<std::uint16_t> fill(Solid& solid, const Filling& filling, const Mesh
       (box.max - box.min) / voxelSize, filling.surface, filling.contains,
       isAsVoxels ? filling.halfThickness : 0.0, isAsVoxels, filling.firstClosing);
   measureVoxels(solid);
-  return std::move(layers.ofTriangle);
+  return layers;
 }
 
-// A solid, and the layers of its mesh's triangles, see BodyLayers.
+// A solid, and the layers and bodies of its mesh's triangles.
 struct Filled {
   Solid solid{};
-  std::vector<std::uint16_t> layers{};
+  BodyLayers layers{};
 };
 
 // Returns the solid of a mesh in a grid, with its report, which may have no voxels.
@@ -204,9 +214,11 @@ Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Pr
   return voxelizeWithin(source, options, 1.0, progress);
 }
 
-Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, double workShare,
-                     const Progress* progress) {
-  reportProgress(progress, "voxelize", 0.0);
+namespace {
+
+// As voxelizeWithin, of a mesh whose bodies share no vertices if they are kept.
+Solid voxelizeApart(const TriangleMesh& source, const SolidOptions& options, double workShare,
+                    const Progress* progress) {
   SolidOptions first = options;
   if (isAutomatic(options)) first.resolution = kLeastAutoResolution;
   MeshInGrid in = inGrid(source, voxelSizeFor(source, first), progress);
@@ -241,8 +253,11 @@ Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, do
                        source, options, progress);
   }
   if (options.keepMesh) {
-    solid.mesh = std::make_shared<const SolidMesh>(SolidMesh{
-        {source.vertices, in.clean.mesh.triangles}, std::move(in.source), std::move(made.layers)});
+    solid.mesh =
+        std::make_shared<const SolidMesh>(SolidMesh{{source.vertices, in.clean.mesh.triangles},
+                                                    std::move(in.source),
+                                                    std::move(made.layers.ofTriangle),
+                                                    std::move(made.layers.bodyOfTriangle)});
   }
   if (options.keepSeams) {
     Seams seams(source, solid.frame.origin, voxelSize);
@@ -257,6 +272,17 @@ Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, do
   }
   reportProgress(progress, "voxelize", 1.0);
   return std::move(made.solid);
+}
+
+}  // namespace
+
+Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, double workShare,
+                     const Progress* progress) {
+  reportProgress(progress, "voxelize", 0.0);
+  if (options.bodies == MeetingBodies::unite) {
+    return voxelizeApart(source, options, workShare, progress);
+  }
+  return voxelizeApart(withBodiesApart(source, options.objects), options, workShare, progress);
 }
 
 }  // namespace sherd

@@ -273,6 +273,47 @@ class Exact(CommandLine):
         # Two rails meet in each corner, within a post: a rail has a length of 1.5 between the posts.
         self.united(posts + rails, 12, 4 * 0.125 + 8 * 1.5 * 0.125 * 0.25, "--roughness", "1")
 
+    def test_bodies_can_be_kept(self):
+        """Two boxes with a face in common, and a third that reaches into both."""
+        boxes = {"left": ((0, 0, 0), (2, 1, 1)), "right": ((2, 0, 0), (4, 1, 1)), "pin": ((1.5, 0.25, 0.25), (2.5, 0.75, 1.5))}
+        mesh = self.path("kept.obj")
+        faces = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+        with open(mesh, "w") as out:
+            for i, (name, box) in enumerate(boxes.items()):
+                out.write(f"o {name}\n")
+                out.writelines("v %r %r %r\n" % tuple(box[c >> (2 - k) & 1][k] for k in range(3)) for c in range(8))
+                out.writelines("f %d %d %d %d\n" % tuple(8 * i + v for v in face) for face in faces)
+        volumes = [2.0, 2.0, 0.625]
+        for options in ((), ("--roughness", "1")):
+            result = self.exact("--bodies", "keep", *options, mesh=mesh, pieces=10)
+            self.assertNotIn("united", result.stderr)
+            manifest = self.manifest()
+            self.assertNotIn("exact_failure", manifest)
+            self.assertEqual(manifest["options"]["bodies"], "keep")
+            self.assertEqual(manifest["bodies"], {"input": 3, "united": 3, "objects": [["left"], ["right"], ["pin"]]})
+            self.assertLess(abs(manifest["report"]["mesh_volume"] - 4.625), 1e-9)
+            sums, body_of = [0.0] * 3, {}
+            for fragment in manifest["fragments"]:
+                (body_of[fragment["id"]],) = fragment["bodies"]
+                sums[body_of[fragment["id"]]] += fragment["volume"]
+            self.assertEqual(len(body_of), 10)
+            self.assertLess(max(abs(a - b) for a, b in zip(sums, volumes)), 1e-9)
+            pairs = {tuple(sorted((body_of[f["id"]], body_of[c["id"]]))) for f in manifest["fragments"] for c in f["contacts"]}
+            self.assertEqual({pair for pair in pairs if pair[0] != pair[1]}, {(0, 1), (0, 2), (1, 2)})
+            worn = self.exact("--bodies", "keep", "--erode-iterations", "1", *options, mesh=mesh, pieces=10, out=self.path("worn"))
+            self.assertNotIn("the mesh's own", "".join(line for line in worn.stderr.splitlines() if "warning" in line))
+            found = json.loads(self.run_sherd("evaluate", self.out, "--json").stdout)
+            self.assertEqual(found["sound"], 10)
+            for fragment in found["fragments"]:
+                self.assertEqual((fragment["quality"]["components"], fragment["quality"]["closed"]), (1, True))
+
+    def test_bodies_of_open_meshes_are_not_kept(self):
+        vertices, triangles = sphere()
+        write_obj(self.path("open.obj"), (vertices, triangles[1:]))
+        self.assertIn("open.obj: bodies are not kept, since they are known of closed meshes", self.exact("--bodies", "keep", mesh=self.path("open.obj")).stderr)
+        self.assertNotIn("bodies", self.exact(mesh=self.path("open.obj")).stderr)
+        self.assertNotIn("bodies", self.manifest()["options"])
+
     def test_the_manifest_gives_the_bodies_of_fragments(self):
         """Of which they have faces: by the positions of these, on the surfaces of boxes."""
         boxes = {"left": ((0, 0, 0), (2, 1, 1)), "right": ((1.75, 0.25, 0.25), (4, 1.25, 1.25)), "apart": ((0, 3, 0), (2, 4, 1))}

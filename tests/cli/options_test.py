@@ -507,7 +507,7 @@ MATTERS = {
     "--write": ((), "labels", "labels,seeds"), "--voxel-format": ((), "rle", "npz"), "--mesh-format": (("--write", "mesh"), "ply", "obj"),
     "--plain-meshes": (("--write", "mesh"), None, ()), "--precision": (("--write", "mesh"), "single", "double"),
     "--source-faces": (("--write", "mesh"), None, ()), "--up": (("--write", "preview"), "y", "z"),
-    "--fill": ((), "winding", "parity"), "--shell-thickness": (("--fill", "shell"), "0.3", "0.4"), "--recenter": ((), None, ()),
+    "--fill": ((), "winding", "parity"), "--shell-thickness": (("--fill", "shell"), "0.3", "0.4"), "--bodies": ((), "unite", "keep"), "--recenter": ((), None, ()),
     "--grid": ((), "surface_1", "surface_2"), "--isovalue": ((), "0.4", "0.6"),
     "--sampler": ((), "uniform", "halton"), "--seeds-on": ((), "volume", "surface"), "--extra-seeds": ((), "0", "1n"),
     "--merge-metric": (("--extra-seeds", "5"), "euclidean", "manhattan"), "--size-spread": (("--extra-seeds", "5"), "0", "2"),

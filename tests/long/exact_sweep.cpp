@@ -7,6 +7,8 @@
 #include <openvdb/openvdb.h>
 #include <sherd/sherd.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -14,7 +16,9 @@
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <random>
+#include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -36,7 +40,9 @@ struct Input {
   TriangleMesh mesh;
   TriangleMesh clean{};  // repaired
   bool crossesItself = false;
-  double unionVolume = 0.0;  // of several bodies; 0: one surface
+  double unionVolume = 0.0;           // of several bodies; 0: one surface
+  std::vector<std::uint32_t> body{};  // [triangles] of bodies that are kept; empty: they are united
+  std::vector<double> volumes{};      // [bodies]
 };
 
 Input inputOf(std::string name, TriangleMesh mesh) {
@@ -209,6 +215,101 @@ std::string faultsOfBodies(const Input& input, const std::vector<Fragment>& frag
   return faults;
 }
 
+// Sets the bodies of a mesh whose components share no vertices: those oriented outwards, each with
+// the cavities that come after it.  Volumes are sums of tetrahedra.
+void setBodies(Input& input) {
+  const MeshComponents components = meshComponents(input.mesh);
+  std::vector<long double> volumes(components.count, 0.0L);
+  for (std::size_t t = 0; t < input.mesh.triangles.size(); ++t) {
+    const glm::uvec3& c = input.mesh.triangles[t];
+    const std::vector<glm::dvec3>& v = input.mesh.vertices;
+    volumes[components.ofTriangle[t]] +=
+        static_cast<long double>(glm::dot(v[c.x], glm::cross(v[c.y], v[c.z]))) / 6.0L;
+  }
+  std::vector<std::uint32_t> number;
+  for (const long double own : volumes) {
+    if (own > 0.0L) input.volumes.push_back(0.0);
+    number.push_back(static_cast<std::uint32_t>(input.volumes.size() - 1));
+    input.volumes.back() += static_cast<double>(own);
+  }
+  for (const std::uint32_t c : components.ofTriangle) input.body.push_back(number[c]);
+}
+
+// The faces of fragments towards others that the others do not have bit for bit.
+std::size_t unsharedCracks(const std::vector<Fragment>& fragments) {
+  using Point = std::tuple<double, double, double>;
+  std::map<std::tuple<int, int, std::array<Point, 3>>, int> faces;
+  for (const Fragment& fragment : fragments) {
+    const TriangleMesh& mesh = fragment.mesh;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const int other = mesh.neighbor[t];
+      if (other == 0) continue;
+      const bool isLower = fragment.id < other;  // the other has the face reversed
+      std::array<Point, 3> corners;
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec3& v = mesh.vertices[mesh.triangles[t][isLower ? k : 2 - k]];
+        corners[static_cast<std::size_t>(k)] = {v.x, v.y, v.z};
+      }
+      std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+      faces[{std::min(fragment.id, other), std::max(fragment.id, other), corners}] +=
+          isLower ? 1 : -1;
+    }
+  }
+  return static_cast<std::size_t>(
+      std::ranges::count_if(faces, [](const auto& face) { return face.second != 0; }));
+}
+
+// What is wrong with the fragments of bodies that are kept.
+std::string faultsOfKept(const Input& input, const FractureResult& result, bool isWorn) {
+  std::string faults;
+  constexpr std::uint32_t kNone = 0xffffffffu;
+  std::vector<double> sums(input.volumes.size(), 0.0);
+  std::vector<std::uint32_t> bodyOf(result.fragments.size() + 1, kNone);
+  for (const Fragment& fragment : result.fragments) {
+    const TriangleMesh& mesh = fragment.mesh;
+    const std::string id = "fragment " + std::to_string(fragment.id);
+    if (openEdges(mesh) > 0) faults += id + " is open; ";
+    if (nonManifoldEdges(mesh) > 0) faults += id + " is not manifold; ";
+    if (bodiesOf(mesh).size() != 1) faults += id + " is several bodies; ";
+    if (!selfCrossings(mesh.vertices, merged(mesh).triangles).empty())
+      faults += id + " crosses itself; ";
+    std::set<std::uint32_t> own;
+    for (const std::uint32_t source : mesh.source) {
+      if (source != TriangleMesh::kNoSource) own.insert(input.body[source]);
+    }
+    if (own.size() > 1) faults += id + " is of several bodies; ";
+    if (!own.empty()) {
+      bodyOf[static_cast<std::size_t>(fragment.id)] = *own.begin();
+      sums[*own.begin()] += volume(mesh);
+    }
+  }
+  for (bool isAny = true; std::exchange(isAny, false);) {  // those bounded by cracks alone
+    for (const Fragment& fragment : result.fragments) {
+      std::uint32_t& own = bodyOf[static_cast<std::size_t>(fragment.id)];
+      for (std::size_t t = 0; own == kNone && t < fragment.mesh.neighbor.size(); ++t) {
+        own = bodyOf[fragment.mesh.neighbor[t]];
+        if (own == kNone) continue;
+        sums[own] += volume(fragment.mesh);
+        isAny = true;
+      }
+    }
+  }
+  const SolidReport& report = result.solid.report;
+  std::size_t missing = 0;
+  for (std::size_t b = 0; b < sums.size(); ++b) {
+    if (sums[b] == 0.0) ++missing;
+    if (isWorn || sums[b] == 0.0) continue;
+    if (std::abs(sums[b] - input.volumes[b]) <= 1e-9 * input.volumes[b]) continue;
+    faults += "the volume of body " + std::to_string(b) + " is " + std::to_string(sums[b]) +
+              " of " + std::to_string(input.volumes[b]) + "; ";
+  }
+  if (report.keptBodies != sums.size()) faults += "the bodies are not known; ";
+  if (missing > report.hiddenBodies + result.solid.smallComponents)
+    faults += std::to_string(missing) + " bodies are missing; ";
+  if (!isWorn && unsharedCracks(result.fragments) > 0) faults += "cracks are not shared; ";
+  return faults;
+}
+
 // Whether a union touches itself along edges.
 bool touches(const UnitedBodies& united) {
   if (united.before == 0) return false;
@@ -276,14 +377,19 @@ void breakOne(const Input& input, const FractureOptions& options, Device& device
       }
       return;
     }
-    if (input.unionVolume > 0.0) {
-      const std::string faults = faultsOfBodies(
-          input, result.fragments, !options.erode.iterations.isZero(), touches(result.united));
+    const bool isWorn = !options.erode.iterations.isZero();
+    if (!input.body.empty()) {
+      const std::string faults = faultsOfKept(input, result, isWorn);
       if (!faults.empty()) fault(faults);
       return;
     }
-    ExactFaults faults =
-        exactFaults(input.clean, result.fragments, !options.erode.iterations.isZero());
+    if (input.unionVolume > 0.0) {
+      const std::string faults =
+          faultsOfBodies(input, result.fragments, isWorn, touches(result.united));
+      if (!faults.empty()) fault(faults);
+      return;
+    }
+    ExactFaults faults = exactFaults(input.clean, result.fragments, isWorn);
     if (input.crossesItself) faults.selfCrossings = 0;
     if (faults.any()) fault(faults.text());
   } catch (const Error& e) {  // others are refusals
@@ -308,9 +414,18 @@ int main(int argc, char** argv) {
     const FractureOptions options = randomOptions(random);
     if (i % 3 == 0) {
       const int resolution = options.solid.resolution;
-      Input input = i % 12 == 0 ? randomOpen(random, resolution) : randomBodies(random, resolution);
+      const bool isOpen = i % 12 == 0;
+      Input input = isOpen ? randomOpen(random, resolution) : randomBodies(random, resolution);
+      Input kept = input;
       input.mesh = merged(std::move(input.mesh));
       breakOne(input, options, device, tallies[input.name]);
+      if (isOpen) continue;
+      setBodies(kept);
+      kept.name += ", kept";
+      kept.mesh = merged(std::move(kept.mesh));
+      FractureOptions keeping = options;
+      keeping.solid.bodies = MeetingBodies::keep;
+      breakOne(kept, keeping, device, tallies[kept.name]);
     } else if (!meshes.empty() && i % 3 == 1) {
       const Input& input =
           meshes[static_cast<std::size_t>(whole(random, 0, static_cast<int>(meshes.size()) - 1))];

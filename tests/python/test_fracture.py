@@ -2,6 +2,7 @@
 import gc
 import json
 import pickle
+import warnings
 import weakref
 
 import numpy as np
@@ -34,6 +35,7 @@ SETS = [
     {"missing": 2, "drop_share": 0.01},
     {"surface": "labels", "smooth_iterations": 3},
     {"surface": "exact"},
+    {"bodies": "keep"},
     {"interface": "independent", "adaptivity": 0.5},
     {"preset": "paper", "resolution": 40, "pieces": 5},
     {"preset": "training", "resolution": 40, "pieces": 5},
@@ -388,3 +390,15 @@ def test_a_sequence(fracture):
     assert fracture[-1].id == 6 and [g.id for g in fracture[1:3]] == [2, 3]
     with pytest.raises(IndexError):
         fracture[6]
+
+
+def test_bodies_that_overlap_are_united_or_kept():
+    (v, f), (w, g) = cube(), cube()
+    mesh = np.concatenate([v, w + [0.5, 0, 0]]), np.concatenate([f, g + len(v)])
+    for bodies, volume in (("unite", 1.5), ("keep", 2.0)):
+        with warnings.catch_warnings(action="ignore"):  # which says that they were united
+            found = pysherd.fracture(mesh, bodies=bodies, surface="exact", pieces=6, resolution=40)
+            assert sum(p.volume for p in found) == pytest.approx(volume, rel=1e-12)
+        assert len(found) == 6
+    with pytest.raises(pysherd.UsageError, match="bodies"):
+        pysherd.fracture(mesh, bodies="keep", fill="parity")

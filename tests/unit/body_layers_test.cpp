@@ -165,8 +165,7 @@ TEST_F(BodyLayers, GrowthIsThatOfOneLayerWhereBodiesAreFarEnoughApart) {
   LeafBlocks blocks = *layered.blocks;
   blocks.layers.clear();
   plain.blocks = std::make_shared<const LeafBlocks>(std::move(blocks));
-  for (const Growth growth :
-       {Growth::flood, Growth::nearest, Growth::chain, Growth::euclid, Growth::sequential}) {
+  for (const Growth growth : {Growth::flood, Growth::chain, Growth::sequential}) {
     for (const double roughness : {0.0, 0.7}) {
       for (const int neighborhood : {6, 26}) {
         if (neighborhood == 26 && growth != Growth::flood) continue;
@@ -180,6 +179,39 @@ TEST_F(BodyLayers, GrowthIsThatOfOneLayerWhereBodiesAreFarEnoughApart) {
         EXPECT_EQ(a.labels.cost, b.labels.cost);
         EXPECT_EQ(a.labels.disconnected, b.labels.disconnected);
       }
+    }
+  }
+}
+
+// Where each body has a layer: seeds of another are beyond a gap, however near they are.
+TEST_F(BodyLayers, CellsAreThoseOfTheSeedsInTheirBody) {
+  Bodies bodies{shapes::cube(14.0), shapes::cube(14.0, {14.05, 0.0, 0.0}),
+                shapes::cube(14.0, {7.0, 0.0, 14.05})};
+  for (const bool isTurned : {false, true}) {
+    if (isTurned) bodies = turned(bodies);
+    const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    ASSERT_EQ(solid.blocks->layers.size(), 2u);
+    const std::vector<int> body = bodiesOfVoxels(solid, bodies);
+    for (const Growth growth : {Growth::euclid, Growth::nearest}) {
+      FractureOptions options{.pieces = 18, .seed = 3};
+      options.grow.growth = growth;
+      const FractureResult result = fracture(solid, options, device());
+      std::uint64_t others = 0;
+      std::map<openvdb::Coord, std::size_t> voxelAt;
+      solid.blocks->forEachInside(
+          [&](std::size_t voxel) { voxelAt[solid.blocks->voxelAt(voxel)] = voxel; });
+      for (const auto& [at, voxel] : voxelAt) {
+        double least = 1e9, own = 1e9;
+        for (const Seed& seed : result.seeds) {
+          if (body[voxelAt.at(seed.voxel)] != body[voxel]) continue;
+          const double distance = glm::distance(pointOf(seed), glm::dvec3(at.x(), at.y(), at.z()));
+          least = std::min(least, distance);
+          if (seed.fragment == result.labels.fragment[voxel]) own = std::min(own, distance);
+        }
+        others += own > least + 1e-9 ? 1 : 0;
+      }
+      // Those of the other side of an edge of the body, which their cells do not reach by faces.
+      EXPECT_LT(others, isTurned ? solid.voxels / 1000 : 1);
     }
   }
 }
@@ -227,6 +259,22 @@ TEST_F(BodyLayers, CracksAloneErode) {
   EXPECT_EQ(whole.eroded[0], 0u);  // each brick is a piece, without cracks
   options.pieces = 12;
   EXPECT_GT(fracture(joined(turned(bricks(0.05))), options, device()).eroded[0], 0u);
+}
+
+TEST_F(BodyLayers, CoarseFragmentsAreWhereTheirBodiesAre) {
+  const Bodies bodies = bricks(0.01);
+  FractureOptions options{.pieces = 12, .solid = {.voxelSize = 1.0}};
+  options.surface = {.levelSets = false, .surface = Surface::exact, .triangles = {60}};
+  const FractureResult result = fracture(joined(bodies), options, device());
+  ASSERT_EQ(result.exactFailure, "");
+  for (const Fragment& fragment : result.fragments) {
+    ASSERT_EQ(fragment.coarse.size(), 1u);
+    const Box fine = bounds(fragment.mesh), coarse = bounds(fragment.coarse.front());
+    for (int k = 0; k < 3; ++k) {  // within the voxel that the decimation may move them by
+      EXPECT_NEAR(fine.min[k], coarse.min[k], 1.0);
+      EXPECT_NEAR(fine.max[k], coarse.max[k], 1.0);
+    }
+  }
 }
 
 TEST_F(BodyLayers, ExactFragmentsAreOfOneBody) {

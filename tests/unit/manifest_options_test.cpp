@@ -63,14 +63,14 @@ TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   expectRecorded("seed", seed, std::uint64_t{7});
   expectRecorded("dropShare", dropShare, 0.01);
   expectRecorded("missing", missing, 0.5);
-
-  auto& [resolution, voxelSize, fill, shellThickness, keepMesh, keepSeams] = solid;
-  EXPECT_FALSE(keepMesh);  // follows from the surface
-  EXPECT_TRUE(keepSeams);  // follows from the files
+  auto& [resolution, voxelSize, fill, shellThickness, bodies, objects, keepMesh, keepSeams] = solid;
+  EXPECT_FALSE(keepMesh);                     // follows from the surface
+  EXPECT_TRUE(keepSeams && objects.empty());  // follow from the files
   expectRecorded("resolution", resolution, 25);
   expectRecorded("resolution", resolution, kAutoResolution);
   expectRecorded("voxelSize", voxelSize, 0.1);
   expectRecorded("fill", fill, Fill::parity);
+  expectRecorded("bodies", bodies, MeetingBodies::keep);
   expectRecorded("shellThickness", shellThickness, 0.2);
 
   auto& [seedPieces, seedSeed, sampler, on, extraSeeds, extraSeedsPerPiece, mergeMetric, sizeSpread,

@@ -243,7 +243,7 @@ TEST(OptionTable, IdleOptionsAreSpelledAsTheUserDoes) {
   Volume levelSet;
   levelSet.solid.emplace();
   levelSet.isLevelSet = true;
-  EXPECT_EQ(idleOptions(levelSet, all).size(), 4u);
+  EXPECT_EQ(idleOptions(levelSet, all).size(), 5u);
   EXPECT_EQ(
       idleOptions(Volume{}, all),
       std::vector<std::string>{"<source-faces> does nothing with a volume, which has no faces"});
