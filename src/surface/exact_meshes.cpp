@@ -222,6 +222,25 @@ ExactSurface checkedUnion(ExactSurface surface, const UnitedBodies& united,
   return surface;
 }
 
+// Whether voxels of a fragment are within a body.
+bool hasVoxels(const Solid& solid, const Labels& labels, const TriangleMesh& body, const Box& box,
+               std::uint16_t id) {
+  const TriangleTree tree(body);
+  const openvdb::Coord low = voxelAt(solid.frame.indexFromWorld(box.min)),
+                       high = voxelAt(solid.frame.indexFromWorld(box.max));
+  LabelReader reader(*solid.blocks, labels);
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int z = low.z(); z <= high.z(); ++z) {
+        const openvdb::Coord at(x, y, z);
+        if (!reader.isInside(at) || reader.at(at) != id) continue;
+        if (tree.winding(solid.frame.worldFromIndex(glm::dvec3(x, y, z))) >= 0.5) return true;
+      }
+    }
+  }
+  return false;
+}
+
 // Cuts all bodies at once.
 ExactSurface cutTogether(const Solid& solid, const Labels& labels,
                          std::span<const LeafNeighbors> neighborhoods, double adaptivity,
@@ -241,7 +260,10 @@ ExactSurface cutTogether(const Solid& solid, const Labels& labels,
     surface = cutBodies(solid, labels, bodies, neighborhoods, adaptivity, progress);
   }
   surface = checkedUnion(std::move(surface), bodies.united(), progress);
-  surface.united.loose = removeLooseBodies(surface.meshes, least);
+  surface.united.loose = removeLooseBodies(
+      surface.meshes, least, [&](const TriangleMesh& body, const Box& box, std::uint16_t id) {
+        return hasVoxels(solid, labels, body, box, id);
+      });
   // Voxels connect parts of an open mesh that are near each other.
   for (std::size_t i = 0; i < surface.meshes.size() && !bodies.isInput(); ++i) {
     if (bodyCount(surface.meshes[i].mesh) < 2) continue;

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <unordered_map>
 #include <utility>
 
 #include "base/union_find.h"
@@ -18,6 +19,10 @@
 
 namespace sherd {
 namespace {
+
+// How many times the least volume a body without voxels may have: voxels may be eight times as many
+// as their sum in thin ones.
+constexpr double kMostLoose = 8.0;
 
 // A part of a mesh that is connected.
 struct Part {
@@ -32,21 +37,37 @@ struct Parts {
   std::map<std::uint32_t, Part> all;
 };
 
+// What connects two triangles: a vertex at one position, or an edge of the same vertices.
+enum class Joint { position, edge };
+
+// Returns [triangles] the first triangle of each one's part.
+std::vector<std::uint32_t> partNames(const TriangleMesh& mesh, Joint joint) {
+  const bool isPosition = joint == Joint::position;
+  const std::vector<std::uint32_t> first =
+      isPosition ? firstAtPosition(mesh.vertices) : std::vector<std::uint32_t>();
+  UnionFind names(mesh.triangles.size());
+  std::unordered_map<std::uint64_t, std::uint32_t> firstOf;  // of positions, or of edges
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& c = mesh.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      const std::uint64_t a = c[k], b = c[(k + 1) % 3];
+      const std::uint64_t key =
+          isPosition ? std::uint64_t{first[c[k]]} : std::min(a, b) << 32 | std::max(a, b);
+      names.unite(t, firstOf.try_emplace(key, t).first->second);
+    }
+  }
+  return std::move(names).all();
+}
+
 //   other  [triangles] LabeledMesh::other, or empty
-Parts partsOf(const TriangleMesh& mesh, const std::vector<std::uint16_t>& other) {
+Parts partsOf(const TriangleMesh& mesh, const std::vector<std::uint16_t>& other, Joint joint) {
   Parts parts;
   if (mesh.triangles.empty()) return parts;
-  const std::vector<std::uint32_t> first = firstAtPosition(mesh.vertices);
-  UnionFind names(mesh.vertices.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    names.unite(first[t.x], first[t.y]);
-    names.unite(first[t.x], first[t.z]);
-  }
+  parts.ofTriangle = partNames(mesh, joint);
   const glm::dvec3 from = mesh.vertices[mesh.triangles.front().x];
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3& c = mesh.triangles[t];
-    parts.ofTriangle.push_back(names.find(first[c.x]));
-    Part& part = parts.all[parts.ofTriangle.back()];
+    Part& part = parts.all[parts.ofTriangle[t]];
     const glm::dvec3 a = mesh.vertices[c.x] - from, b = mesh.vertices[c.y] - from,
                      d = mesh.vertices[c.z] - from;
     part.volume += glm::dot(a, glm::cross(b, d)) / 6.0;
@@ -87,15 +108,29 @@ void keep(LabeledMesh& mesh, const std::vector<bool>& isKept) {
   mesh = std::move(out);
 }
 
-std::size_t removeLoose(LabeledMesh& mesh, double least) {
-  const Parts parts = partsOf(mesh.mesh, mesh.other);
+// Returns the triangles of a part, with all vertices.
+TriangleMesh meshOf(const TriangleMesh& mesh, const Parts& parts, std::uint32_t name) {
+  TriangleMesh out;
+  out.vertices = mesh.vertices;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (parts.ofTriangle[t] == name) out.triangles.push_back(mesh.triangles[t]);
+  }
+  return out;
+}
+
+std::size_t removeLoose(LabeledMesh& mesh, std::uint16_t id, double least,
+                        const HasVoxels& hasVoxels) {
+  const Parts parts = partsOf(mesh.mesh, mesh.other, Joint::edge);
   double largest = 0.0;
   for (const auto& [name, part] : parts.all) largest = std::max(largest, part.volume);
   std::vector<Box> removed;
   std::map<std::uint32_t, bool> isRemoved;
   for (const auto& [name, part] : parts.all) {
-    const bool isLoose = part.volume > 0.0 && part.volume < std::min(least, largest);
-    if (!isLoose || part.hasCracks) continue;
+    if (part.hasCracks || !(part.volume > 0.0) || part.volume >= largest) continue;
+    const bool isLoose =
+        part.volume < least || (part.volume < kMostLoose * least &&
+                                !hasVoxels(meshOf(mesh.mesh, parts, name), part.box, id));
+    if (!isLoose) continue;
     isRemoved[name] = true;
     removed.push_back(part.box);
   }
@@ -115,16 +150,19 @@ std::size_t removeLoose(LabeledMesh& mesh, double least) {
 
 }  // namespace
 
-std::size_t removeLooseBodies(std::vector<LabeledMesh>& meshes, double least) {
+std::size_t removeLooseBodies(std::vector<LabeledMesh>& meshes, double least,
+                              const HasVoxels& hasVoxels) {
   std::atomic<std::size_t> count = 0;
-  tbb::parallel_for(std::size_t{0}, meshes.size(),
-                    [&](std::size_t i) { count += removeLoose(meshes[i], least); });
+  tbb::parallel_for(std::size_t{0}, meshes.size(), [&](std::size_t i) {
+    count += removeLoose(meshes[i], static_cast<std::uint16_t>(i + 1), least, hasVoxels);
+  });
   return count;
 }
 
 std::size_t bodyCount(const TriangleMesh& mesh) {
   std::size_t count = 0;
-  for (const auto& [name, part] : partsOf(mesh, {}).all) count += part.volume > 0.0;
+  for (const auto& [name, part] : partsOf(mesh, {}, Joint::position).all)
+    count += part.volume > 0.0;
   return count;
 }
 

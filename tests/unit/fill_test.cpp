@@ -349,13 +349,16 @@ TEST(Fill, SheetsWithBothSidesAreCounted) {
   for (std::uint32_t leaf = 0; leaf < 5; ++leaf) {
     const auto first = static_cast<std::uint32_t>(tree.vertices.size());
     const double x = 0.3 * leaf;
-    tree.vertices.insert(tree.vertices.end(), {{x, 1.5, 0}, {x + 0.2, 1.5, 0}, {x, 1.9, 0.1}});
-    tree.triangles.insert(tree.triangles.end(),
-                          {{first, first + 1, first + 2}, {first + 2, first + 1, first}});
+    tree.vertices.insert(tree.vertices.end(),
+                         {{x, 1.5, 0}, {x + 0.2, 1.5, 0}, {x + 0.2, 1.9, 0.1}, {x, 1.9, 0.1}});
+    for (const glm::uvec3& t : {glm::uvec3(0, 1, 2), glm::uvec3(0, 2, 3)}) {
+      tree.triangles.push_back(t + first);
+      tree.triangles.emplace_back(t.z + first, t.y + first, t.x + first);
+    }
   }
   const Solid solid = voxelize(tree, {.voxelSize = 0.1});
-  EXPECT_EQ(solid.report.defects.sheetTriangles, 10u);
-  EXPECT_EQ(solid.report.defects.duplicateTriangles, 10u);
+  EXPECT_EQ(solid.report.defects.sheetTriangles, 20u);
+  EXPECT_EQ(solid.report.defects.duplicateTriangles, 20u);
   EXPECT_EQ(solid.voxels, voxelize(shapes::cube(2.0), {.voxelSize = 0.1}).voxels);
 }
 

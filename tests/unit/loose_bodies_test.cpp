@@ -17,6 +17,8 @@ LabeledMesh labeled(TriangleMesh mesh) {
   return out;
 }
 
+const HasVoxels hasAll = [](const TriangleMesh&, const Box&, std::uint16_t) { return true; };
+
 TriangleMesh at(TriangleMesh mesh, const glm::dvec3& by) {
   for (glm::dvec3& v : mesh.vertices) v += by;
   return mesh;
@@ -28,7 +30,7 @@ TEST(LooseBodies, ThatAreSmallAreRemovedWithTheirCavities) {
   std::vector<LabeledMesh> meshes{labeled(shapes::append(large, at(small, {3, 0, 0}))),
                                   labeled(small)};
   EXPECT_EQ(bodyCount(meshes[0].mesh), 2u);
-  EXPECT_EQ(removeLooseBodies(meshes, 0.1), 1u);
+  EXPECT_EQ(removeLooseBodies(meshes, 0.1, hasAll), 1u);
   EXPECT_EQ(bodyCount(meshes[0].mesh), 1u);
   EXPECT_EQ(meshes[0].mesh.triangles.size(), large.triangles.size());
   EXPECT_EQ(meshes[0].mesh.vertices.size(), large.vertices.size());
@@ -39,10 +41,32 @@ TEST(LooseBodies, ThatAreSmallAreRemovedWithTheirCavities) {
 TEST(LooseBodies, OfCracksOrOfSomeSizeStay) {
   const TriangleMesh both = shapes::append(shapes::cube(2.0), at(shapes::cube(0.4), {3, 0, 0}));
   std::vector<LabeledMesh> meshes{labeled(both)};
-  EXPECT_EQ(removeLooseBodies(meshes, 0.05), 0u);
+  EXPECT_EQ(removeLooseBodies(meshes, 0.05, hasAll), 0u);
   meshes[0].other.back() = 2;
-  EXPECT_EQ(removeLooseBodies(meshes, 0.1), 0u);
+  EXPECT_EQ(removeLooseBodies(meshes, 0.1, hasAll), 0u);
   EXPECT_EQ(bodyCount(meshes[0].mesh), 2u);
+}
+
+TEST(LooseBodies, WithoutVoxelsAreRemovedIfTheyAreLittleLarger) {
+  const TriangleMesh both = shapes::append(shapes::cube(2.0), at(shapes::cube(0.4), {3, 0, 0}));
+  for (const bool hasVoxels : {true, false}) {
+    std::vector<LabeledMesh> meshes{labeled(shapes::cube(2.0)), labeled(both)};
+    const auto found = [&](const TriangleMesh& body, const Box& box, std::uint16_t id) {
+      EXPECT_EQ(body.triangles.size(), 12u);
+      EXPECT_DOUBLE_EQ(box.min.x, 2.8);
+      EXPECT_EQ(id, 2);
+      return hasVoxels;
+    };
+    EXPECT_EQ(removeLooseBodies(meshes, 0.05, found), hasVoxels ? 0u : 1u);
+    EXPECT_EQ(removeLooseBodies(meshes, 0.001, found), 0u);
+  }
+}
+
+TEST(LooseBodies, ThatTouchAtAVertexAreRemoved) {
+  const TriangleMesh touching = at(shapes::cube(0.4), {1.2, 1.2, 1.2});
+  std::vector<LabeledMesh> meshes{labeled(shapes::append(shapes::cube(2.0), touching))};
+  EXPECT_EQ(removeLooseBodies(meshes, 0.1, hasAll), 1u);
+  EXPECT_EQ(meshes[0].mesh.triangles.size(), 12u);
 }
 
 // A crumb of some voxels beside a cube is a small component of the solid, and one without voxels
