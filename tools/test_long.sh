@@ -171,6 +171,8 @@ SHERD_PYTHON_FRACTURES=10000 tools/test_python.sh -k memory
 tools/bare_python.sh build/python/wheel/*.whl
 echo "== 2000 damages of pickles, and of .vdb files"
 build/python/venv/bin/python -B tests/long/pickles.py 2000
+echo "== exact pieces of bodies that overlap, beside the unions that manifold3d makes"
+SHERD_BIN=$PWD/build/release/sherd build/python/venv/bin/python -B tests/long/manifold_union.py 600
 tests/long/vdb_damage.py build/release/sherd 2000 build/python/venv/bin/python
 meshes=(data/amphora.ply)
 [ -z "${SHERD_TEST_DATA:-}" ] || for name in bunny.off armadillo.obj dragon.obj vase_goblet.stl 3DBenchy.ply boot.obj 99865_car.stl footbones.ply \
