@@ -4,12 +4,14 @@
 #include <sherd/fracture.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/memory.h"
 #include "base/sha256.h"
+#include "folder/again.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
 #include "formats/voxels/voxel_lookup.h"
@@ -80,13 +82,16 @@ void requireLevelSet(const fs::path& file, const openvdb::FloatGrid& level,
 
 }  // namespace
 
-FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) {
-  const Manifest manifest = readManifest(file);
+FinishedFracture readFracture(const fs::path& path, const ReadOptions& options) {
+  const fs::path file = manifestIn(path);
+  nlohmann::json json;
+  const Manifest manifest = readManifest(file, json);
   FinishedFracture finished;
   finished.resolution = manifest.resolution;
   finished.source.name = manifest.source;
   finished.source.stem = fs::path(manifest.source).stem().string();
   finished.source.sha256 = sha256(readFileBytes(file));
+  finished.history = historyAfter(json);
 
   const std::optional<fs::path> labels = labelFile(file, manifest);
   if (!labels) {
@@ -116,7 +121,8 @@ FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) 
   return finished;
 }
 
-void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::uint64_t maxMemory) {
+void readFragmentMeshes(const fs::path& path, FinishedFracture& finished, std::uint64_t maxMemory) {
+  const fs::path file = manifestIn(path);
   TriangleMesh faces;
   std::vector<std::size_t> firstFace{0};
   bool hasVoxelFaces = false, isExact = false;

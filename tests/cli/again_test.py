@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+"""Breaking fragments of a fracture again: ids, options, history and folders, read by parsers of the tests' own.
+
+Environment: SHERD_BIN the program, SHERD_DATA the folder with amphora.ply.  Needs Debian's python3-numpy and python3-jsonschema.
+"""
+import json
+import os
+import pathlib
+import shutil
+import unittest
+
+import numpy as np
+
+import skipping
+from cli_test import CommandLine, tree
+
+
+class Again(CommandLine):
+    """The first fracture is the class's: `self.first`, of five fragments."""
+    OPTIONS = ("--seed", "41", "--material", "stone", "--write", "labels,vdb,mesh,seeds", "--mesh-format", "obj,ply", "--voxel-format", "npy,rle",
+               "--half", "--up", "z", "--precision", "double")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.first = os.path.join(cls.data, "first")
+        test = cls()
+        test.out = cls.first
+        test.done(*cls.OPTIONS, out=cls.first, pieces=5)
+
+    def runTest(self):
+        pass
+
+    def again(self, folder, *arguments, out=None):
+        result = self.run_sherd("fracture", folder, "-o", out or self.out, *arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return self.manifest(out or self.out)
+
+
+class Ids(Again):
+    def test_those_of_others_stay_and_new_ones_follow_the_last(self):
+        before = self.manifest(self.first)
+        after = self.again(self.first, "--only", "4,2", "--pieces", "3")
+        self.assertEqual([f["id"] for f in after["fragments"]], list(range(1, 10)))
+        self.assertEqual([f["parent"] for f in after["fragments"]], [1, 2, 3, 4, 5, 2, 2, 4, 4])
+        self.assertEqual(after["only"], [2, 4])
+        old, new = (np.load(os.path.join(folder, "labels.npy")) for folder in (self.first, self.out))
+        parents = np.array([0, 1, *(f["parent"] + 1 for f in after["fragments"])])
+        np.testing.assert_array_equal(parents[new], old)  # voxel by voxel
+        for fragment in after["fragments"]:
+            self.assertEqual(fragment["voxels"], np.count_nonzero(new == fragment["id"] + 1))
+        for own in (1, 3, 5):
+            for key in ("voxels", "share", "files"):
+                self.assertEqual(after["fragments"][own - 1][key], before["fragments"][own - 1][key])
+
+    def test_five_breaks_in_a_row(self):
+        folder = self.first
+        for at in range(5):
+            out = self.path(f"at{at}")
+            after = self.again(folder, "--only", "3", "--pieces", "2", "--write", "labels,vdb", out=out)
+            self.assertEqual(len(after["fragments"]), 6 + at)
+            self.assertEqual([f["parent"] for f in after["fragments"]], [1, 2, 3, 4, 5, *range(6, 6 + at), 3])
+            self.assertEqual([entry["seed"] for entry in after["history"]], list(range(41, 42 + at)))
+            self.assertEqual([entry["fragments"] for entry in after["history"]], list(range(5, 6 + at)))
+            self.assertEqual([entry.get("only") for entry in after["history"]], [None] + at * [[3]])
+            folder = out
+        self.assertEqual(after["history"][0]["source"], self.manifest(self.first)["source"])
+        self.assertEqual(after["history"][0]["options"], self.manifest(self.first)["options"])
+        self.assertEqual(after["history"][4]["options"], self.manifest(self.path("at3"))["options"])
+
+    def test_a_history_is_bounded(self):
+        shutil.copytree(self.first, self.path("long"))
+        manifest = self.manifest(self.first)
+        entry = {"fragments": 5, "seed": 1}
+        manifest["only"] = [1]
+        manifest["history"] = [dict(entry, seed=k) for k in range(300)] + [{"foreign": 1}, 7, dict(entry, options={"long": "x" * 100_000})]
+        pathlib.Path(self.path("long"), "manifest.json").write_text(json.dumps(manifest))
+        after = self.again(self.path("long"), "--only", "1", "--pieces", "2", "--write", "labels")
+        self.assertEqual(len(after["history"]), 64)
+        self.assertEqual([e["seed"] for e in after["history"]][:2] + [after["history"][-1]["seed"]], [0, 238, 41])
+        self.assertEqual(after["history_omitted"], 301 - 64)
+        self.assertLess(os.path.getsize(os.path.join(self.out, "manifest.json")), 100_000)
+
+
+class Folders(Again):
+    def test_a_folder_is_taken_as_its_manifest_is(self):
+        self.again(self.first, "--only", "1", "--pieces", "2")
+        self.again(os.path.join(self.first, "manifest.json"), "--only", "1", "--pieces", "2", out=self.path("other"))
+        self.again(self.first + "/", "--only", "1", "--pieces", "2", out=self.path("slash"))
+        self.assertEqual(tree(self.out), tree(self.path("other")))
+        self.assertEqual(tree(self.out), tree(self.path("slash")))
+
+    def test_in_place(self):
+        self.again(self.first, "--only", "2", "--pieces", "3", out=self.path("beside"))
+        shutil.copytree(self.first, self.out)
+        self.again(self.out, "--only", "2", "--pieces", "3")
+        self.assertEqual(tree(self.out), tree(self.path("beside")))
+        listed = {*self.manifest()["files"], "manifest.json"}
+        self.assertEqual({name for name in tree(self.out) if not name.endswith("/")}, listed)
+
+    def test_in_place_a_refused_run_changes_nothing(self):
+        shutil.copytree(self.first, self.out)
+        before = tree(self.out)
+        self.refused(2, self.run_sherd("fracture", self.out, "-o", self.out, "--only", "6"), "fragment 6")
+        self.assertEqual(tree(self.out), before)
+
+    def test_what_is_no_fracture_is_refused(self):
+        os.mkdir(self.path("empty"))
+        self.refused(3, self.run_sherd("fracture", self.path("empty"), "-o", self.out, "--only", "1"), "manifest.json")
+        self.refused(3, self.run_sherd("fracture", self.path("absent"), "-o", self.out, "--only", "1"), "absent")
+        self.refused(3, self.run_sherd("fracture", self.first, "-o", self.out), "--only")
+
+
+class Inherited(Again):
+    def without(self, options, *keys):
+        return {key: value for key, value in options.items() if key not in keys}
+
+    def test_options_are_those_of_before(self):
+        before, after = self.manifest(self.first), self.again(self.first, "--only", "2", "--pieces", "3")
+        own = ("pieces", "seed", "resolution", "fill", "erode", "missing")
+        self.assertEqual(self.without(after["options"], *own), self.without(before["options"], *own))
+        self.assertEqual(after["options"]["seed"], 42)
+        self.assertEqual(after["options"]["pieces"], 7)
+        kinds = lambda manifest: {os.path.splitext(name)[0].rstrip("0123456789") + os.path.splitext(name)[1] for name in manifest["files"]}
+        self.assertEqual(kinds(after), kinds(before))
+        self.assertEqual(sorted(after["files"][:2]), ["labels.npy", "labels.rle"])
+
+    def test_options_that_are_given_come_first(self):
+        after = self.again(self.first, "--only", "2", "--pieces", "3", "--seed", "7", "--mesh-format", "stl", "--roughness", "0", "--up", "y",
+                           "--write", "labels,mesh,preview")
+        options = after["options"]
+        self.assertEqual((options["seed"], options["material"], options["grow"]["roughness"], options["up"]), (7, "stone", 0, "y"))
+        self.assertEqual({os.path.splitext(name)[1] for name in after["files"]}, {".stl", ".npy", ".rle", ".png"})
+
+    def test_another_material_brings_its_own_options(self):
+        """As if the fracture had been broken with it, but for what a refracture does not do."""
+        for material in ("glass", "wood", "none"):
+            with self.subTest(material):
+                self.done("--material", material, "--write", "labels", out=self.path("plain"))
+                expected = self.manifest(self.path("plain"))["options"]
+                options = self.again(self.first, "--only", "2", "--pieces", "3", "--material", material, "--write", "labels")["options"]
+                self.assertEqual(self.without(options["grow"], "outer_steps"), self.without(expected["grow"], "outer_steps"))
+                self.assertEqual(options.get("sizes"), expected.get("sizes"))
+                self.assertEqual(options.get("material"), expected.get("material"))
+
+    def test_text_of_stl_stays_text(self):
+        self.done("--write", "labels,vdb,mesh", "--mesh-format", "stl-ascii,glb", out=self.path("text"))
+        self.again(self.path("text"), "--only", "1", "--pieces", "2")
+        with open(os.path.join(self.out, "meshes", "ball_001.stl")) as file:
+            self.assertTrue(file.readline().startswith("solid"))
+
+    def test_places_of_the_whole_are_not(self):
+        self.done("--write", "labels,vdb", "--impact", "0,0,1,2", "--drop-share", "0.001", "--erode-iterations", "1", out=self.path("hit"))
+        options = self.again(self.path("hit"), "--only", "1", "--pieces", "2")["options"]
+        self.assertEqual((options["seeds"]["impacts"], options["erode"], options["missing"]), ([], {"iterations": 0}, 0))
+        self.assertNotIn("drop_share", options)
+
+    def test_an_option_that_does_nothing_is_judged_with_those_of_before(self):
+        self.done("--growth", "nearest", "--write", "labels,vdb", out=self.path("nearest"))
+        run = lambda folder: self.run_sherd("fracture", folder, "-o", self.out, "--only", "1", "--pieces", "2", "--metric", "manhattan")
+        self.assertNotIn("--metric", run(self.path("nearest")).stderr)
+        self.assertIn("--metric", run(self.first).stderr)
+
+    def test_damaged_options_are_refused(self):
+        shutil.copytree(self.first, self.path("bad"))
+        for key, value in (("seed", -1), ("grow", {"growth": "magic"}), ("up", 7), ("min_share", [])):
+            manifest = self.manifest(self.first)
+            manifest["options"][key] = value
+            pathlib.Path(self.path("bad"), "manifest.json").write_text(json.dumps(manifest))
+            with self.subTest(key):
+                result = self.run_sherd("fracture", self.path("bad"), "-o", self.out, "--only", "1")
+                if key != "min_share":
+                    self.refused(3, result, "manifest.json", "damaged")
+                self.assertIn(result.returncode, (0, 3))
+
+
+if __name__ == "__main__":
+    skipping.main()
