@@ -333,7 +333,8 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
                    {"source", sourceJson(source, isRefracture)},
                    {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
   if (isRefracture) addHistory(manifest, result);
-  if (!source.mesh.triangles.empty()) manifest["report"] = reportJson(source, result);
+  if (!source.mesh.triangles.empty() && !isRefracture)
+    manifest["report"] = reportJson(source, result);
   const bool isRequested = !options.seeds.given && !isRefracture;
   if (isRequested && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;

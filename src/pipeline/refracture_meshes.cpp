@@ -167,6 +167,12 @@ ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& br
                      adaptivity, progress);
 }
 
+// Returns TriangleMesh::source of a face, or of a part of one.
+std::uint32_t sourceOf(const FinishedFracture& finished, std::size_t face, std::uint16_t neighbor) {
+  if (neighbor != 0 || face >= finished.sourceOf.size()) return TriangleMesh::kNoSource;
+  return finished.sourceOf[face];
+}
+
 // A fragment that stays.
 LabeledMesh keptMesh(const FinishedFracture& finished, int id, Neighbors& neighbors) {
   SolidMesh own = meshOf(finished, id);
@@ -174,15 +180,15 @@ LabeledMesh keptMesh(const FinishedFracture& finished, int id, Neighbors& neighb
   for (std::size_t t = 0; t < own.source.size(); ++t) {
     out.other.push_back(
         neighbors.of(static_cast<std::size_t>(id), own.source[t], centroidOf(out.mesh, t)));
-    out.mesh.source.push_back(out.other.back() == 0 ? own.source[t] : TriangleMesh::kNoSource);
+    out.mesh.source.push_back(sourceOf(finished, own.source[t], out.other.back()));
   }
   return out;
 }
 
 // Gives the parts of faces that were cracks before their new neighbors.
 //   ids  BrokenFragment::ids
-void setNeighbors(std::span<const std::uint16_t> ids, std::size_t own, Neighbors& neighbors,
-                  LabeledMesh& part) {
+void setNeighbors(const FinishedFracture& finished, std::span<const std::uint16_t> ids,
+                  std::size_t own, Neighbors& neighbors, LabeledMesh& part) {
   for (std::size_t t = 0; t < part.other.size(); ++t) {
     std::uint32_t& source = part.mesh.source[t];
     if (source == TriangleMesh::kNoSource) {  // a new crack
@@ -190,7 +196,7 @@ void setNeighbors(std::span<const std::uint16_t> ids, std::size_t own, Neighbors
       continue;
     }
     part.other[t] = neighbors.of(own, source, centroidOf(part.mesh, t));
-    if (part.other[t] != 0) source = TriangleMesh::kNoSource;
+    source = sourceOf(finished, source, part.other[t]);
   }
 }
 
@@ -249,7 +255,7 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
                               std::span<const BrokenFragment> broken, const Labels& labels,
                               double adaptivity, const Progress* progress) {
   if (finished.firstFace.empty()) {
-    return {.failure = "the fracture was written without .ply meshes with neighbors"};
+    return {.failure = "the fracture was written without meshes whose neighbors are known"};
   }
   Neighbors neighbors(finished, broken, labels);
   ExactSurface all;
@@ -270,7 +276,7 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
     }
     for (std::size_t part = 0; part < parts.meshes.size(); ++part) {
       const std::uint16_t own = one.ids[part + 1];
-      setNeighbors(one.ids, own, neighbors, parts.meshes[part]);
+      setNeighbors(finished, one.ids, own, neighbors, parts.meshes[part]);
       all.meshes[own - 1u] = std::move(parts.meshes[part]);
     }
   }

@@ -24,7 +24,8 @@ struct BrokenFragment {
 void setExteriorBand(LeafBlocks& blocks);
 
 /// Returns the meshes of all new fragments: the faces of those that were kept, and the faces of the
-/// broken ones, cut.  TriangleMesh::source is an index in `finished.faces`.
+/// broken ones, cut.  TriangleMesh::source is an index in the mesh of
+/// `finished.source`.
 ///   labels  of all new fragments; those that were kept have the ids of before
 ///   adaptivity  SurfaceOptions::adaptivity
 ///   return  a failure where a mesh is missing, open, or can't be cut

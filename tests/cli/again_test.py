@@ -13,6 +13,8 @@ import numpy as np
 
 import skipping
 from cli_test import CommandLine, tree
+from exact_test import gear, texcoord, write_textured
+from ply_file import columns, read_ply
 
 
 class Again(CommandLine):
@@ -172,6 +174,131 @@ class Inherited(Again):
                 if key != "min_share":
                     self.refused(3, result, "manifest.json", "damaged")
                 self.assertIn(result.returncode, (0, 3))
+
+
+class Attributes(CommandLine):
+    """Of a gear with texture coordinates that are linear in the position, and two materials: caps across z, and sides."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.mesh = pathlib.Path(cls.data) / "gear.obj"
+        write_textured(cls.mesh, *gear())
+
+    def broken_twice(self, formats, *options):
+        first = self.path("first-" + formats)
+        self.done("--write", "labels,vdb,mesh,proxy", "--mesh-format", formats, *options, mesh=str(self.mesh), pieces=12, out=first)
+        self.out = self.path("again-" + formats)
+        result = self.run_sherd("fracture", first, "--only", "3", "--pieces", "4", "-o", self.out)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertEqual({f["surface"] for f in self.manifest()["fragments"]}, {"exact"})
+        return first
+
+    def test_files_of_the_others_are_what_they_were(self):
+        for formats in ("ply,obj,glb,stl", "obj", "ply", "glb"):
+            with self.subTest(formats):
+                first = self.broken_twice(formats)
+                before, after = tree(first), tree(self.out)
+                beside = {c["id"] for c in self.manifest(first)["fragments"][2]["contacts"]}
+                self.assertGreater(len(beside), 1)
+                self.assertLess(len(beside), 11)
+                same = set()
+                for fragment in self.manifest(first)["fragments"]:
+                    files = fragment["files"]
+                    for name in (files["vdb"], files["proxy"], *([files["mesh"]] if isinstance(files["mesh"], str) else files["mesh"])):
+                        holds_neighbors = name.endswith((".ply", ".glb"))
+                        if fragment["id"] != 3 and not (holds_neighbors and fragment["id"] in beside):
+                            self.assertEqual(after[name], before[name], name)
+                            same.add(name)
+                self.assertGreater(len(same), 20)
+
+    def test_only_the_neighbors_of_those_beside_change(self):
+        first = self.broken_twice("ply,obj")
+        for fragment in self.manifest(first)["fragments"]:
+            if fragment["id"] == 3:
+                continue
+            name = fragment["files"]["mesh"][0] if fragment["files"]["mesh"][0].endswith(".ply") else fragment["files"]["mesh"][1]
+            (old_comments, *old), (new_comments, *new) = (read_ply(os.path.join(folder, name)) for folder in (first, self.out))
+            self.assertEqual(old_comments, new_comments)
+            for before, after in zip(old, new):
+                for column in before.dtype.names:
+                    if column != "neighbor":
+                        np.testing.assert_array_equal(after[column], before[column], column)
+            changed = old[1]["neighbor"] != new[1]["neighbor"]
+            self.assertLessEqual(set(old[1]["neighbor"][changed]), {3})
+            self.assertLessEqual(set(new[1]["neighbor"][changed]), {13, 14, 15})
+
+    def test_the_new_ones_have_the_attributes_of_the_input(self):
+        for formats in ("ply,obj", "obj,ply,glb"):
+            with self.subTest(formats):
+                self.broken_twice(formats)
+                parents = {f["id"]: f for f in self.manifest()["fragments"] if f["parent"] == 3}
+                self.assertEqual(sorted(parents), [3, 13, 14, 15])
+                seen = 0
+                for fragment in parents.values():
+                    comments, vertex, face = read_ply(os.path.join(self.out, next(n for n in fragment["files"]["mesh"] if n.endswith(".ply"))))
+                    names = [words[2] for words in comments if words[0] == "material"]
+                    self.assertEqual(names, ["sides", "caps", "inside"])
+                    v, t = columns(vertex, *"xyz"), face["vertex_indices"]
+                    outer = face["neighbor"] == 0
+                    np.testing.assert_array_equal(face["material"][~outer], 2)
+                    normal = np.cross(v[t[:, 1]] - v[t[:, 0]], v[t[:, 2]] - v[t[:, 0]])
+                    for of, uv, n, material in zip(v[t[outer]], face["texcoord"][outer].reshape(-1, 3, 2), normal[outer], face["material"][outer]):
+                        np.testing.assert_allclose(uv, [texcoord(p) for p in of], atol=1e-6)
+                        if np.linalg.norm(n) > 1e-9:
+                            self.assertEqual(material, int(abs(n[2]) > 0.5 * np.linalg.norm(n)))
+                        seen += 1
+                self.assertGreater(seen, 20)
+
+    def test_obj_alone_has_coordinates_and_materials_again(self):
+        self.broken_twice("obj")
+        for fragment in self.manifest()["fragments"]:
+            if fragment["parent"] != 3:
+                continue
+            v, vt, material, outer = [], [], None, 0
+            for line in pathlib.Path(self.out, fragment["files"]["mesh"]).read_text().splitlines():
+                words = line.split()
+                if words[:1] == ["v"]:
+                    v.append([float(x) for x in words[1:4]])
+                elif words[:1] == ["vt"]:
+                    vt.append([float(x) for x in words[1:3]])
+                elif words[:1] == ["usemtl"]:
+                    material = words[1]
+                elif words[:1] == ["f"] and material != "inside":
+                    for corner in words[1:]:
+                        at, uv, *_ = (int(k) - 1 if k else None for k in corner.split("/"))
+                        np.testing.assert_allclose(vt[uv], texcoord(v[at]), atol=1e-6)
+                        outer += 1
+            self.assertGreater(outer, 0)
+        library = pathlib.Path(self.out, "meshes", "gear.mtl")
+        self.assertEqual(library.read_bytes(), pathlib.Path(self.path("first-obj"), "meshes", "gear.mtl").read_bytes())
+
+    def test_other_options_write_the_others_anew(self):
+        """Files of another precision, or without neighbors, are not those of before."""
+        first = self.broken_twice("ply")
+        for options in (("--precision", "single"), ("--plain-meshes",)):
+            result = self.run_sherd("fracture", first, "--only", "3", "--pieces", "2", "-o", self.path("other"), *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            for fragment in self.manifest(first)["fragments"]:
+                name = fragment["files"]["mesh"]
+                sizes = [os.path.getsize(os.path.join(folder, name)) for folder in (self.path("other"), first)]
+                if fragment["id"] != 3:
+                    self.assertLess(*sizes)
+
+    def test_five_breaks_in_a_row(self):
+        folder = self.broken_twice("ply,obj")
+        untouched = {f["id"] for f in self.manifest(folder)["fragments"]} - {3}
+        for at in range(4):
+            out = self.path(f"row{at}")
+            result = self.run_sherd("fracture", self.out, "--only", "3", "--pieces", "2", "-o", out)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.out = out
+        before, after = tree(folder), tree(out)
+        for own in untouched:
+            name = f"meshes/gear_{own:03}.obj"
+            self.assertEqual(before[name], after[name])
+        result = self.run_sherd("evaluate", out, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
 
 
 if __name__ == "__main__":
