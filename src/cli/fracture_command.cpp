@@ -416,7 +416,9 @@ void inheritOptions(const CLI::App& command, FractureArguments& arguments) {
     fresh.surface = options.fracture.surface;
     options.fracture = std::move(fresh);
   }
+  const std::uint64_t seed = options.fracture.seed;
   setGivenOptions(command, options);
+  if (command.count("--seed") == 0) options.fracture.seed = seed;  // presets have one of their own
   arguments.run = std::move(options);
 }
 

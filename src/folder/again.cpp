@@ -30,28 +30,36 @@ Ordered bounded(const Json& value) {
   return text.size() > kLargestHistoryOptions ? Ordered() : Ordered::parse(text);
 }
 
-// Returns the break that made a fracture.
-std::string breakOf(const Json& manifest) {
-  Ordered entry = Ordered::object();
-  const bool isFirst = !manifest.contains("only");
-  if (isFirst) {
-    if (Ordered source = bounded(manifest.at("source")); source.is_object()) {
-      entry["source"] = std::move(source);
-    }
-  } else if (Ordered only = bounded(manifest.at("only")); only.is_array()) {
-    entry["only"] = std::move(only);
-  }
-  const Json& options = manifest.at("options");
-  entry["fragments"] = manifest.at("fragments").size();
-  entry["seed"] = options.at("seed").get<std::uint64_t>();
-  if (Ordered own = bounded(options); own.is_object()) entry["options"] = std::move(own);
-  return jsonText(entry, -1);
+bool isCount(const Json& value) {
+  return value.is_number_unsigned() && value >= 1 && value <= kMaxFragments;
 }
 
-// Whether a value is an entry of a history.
-bool isBreak(const Json& entry) {
-  return entry.is_object() && entry.contains("seed") && entry["seed"].is_number_unsigned() &&
-         entry.contains("fragments") && entry["fragments"].is_number_unsigned();
+// Returns an entry of a history by its values in a manifest, each null if there is none; null if
+// they are of no break.
+Ordered breakOf(const Json& source, const Json& only, const Json& fragments, const Json& seed,
+                const Json& options) {
+  if (!isCount(fragments) || !seed.is_number_unsigned()) return {};
+  Ordered entry = Ordered::object();
+  const auto add = [&](const char* key, const Json& value, bool isValid) {
+    if (!isValid) return;
+    Ordered own = bounded(value);
+    if (!own.is_null()) entry[key] = std::move(own);
+  };
+  add("source", source, source.is_object());
+  add("only", only, only.is_array() && std::all_of(only.begin(), only.end(), isCount));
+  entry["fragments"] = fragments.get<std::uint64_t>();
+  entry["seed"] = seed.get<std::uint64_t>();
+  add("options", options, options.is_object());
+  return entry;
+}
+
+// Returns the break that made a fracture.
+std::string breakOf(const Json& manifest) {
+  const Json only = manifest.value("only", Json());
+  const Json& options = manifest.at("options");
+  return jsonText(breakOf(only.is_null() ? manifest.at("source") : Json(), only,
+                          manifest.at("fragments").size(), options.at("seed"), options),
+                  -1);
 }
 
 // The formats of files of one kind, by the endings of their names.
@@ -146,8 +154,10 @@ BreakHistory historyAfter(const Json& manifest) {
   BreakHistory history;
   if (const auto found = manifest.find("history"); found != manifest.end() && found->is_array()) {
     for (const Json& entry : *found) {
-      if (!isBreak(entry)) continue;
-      const Ordered own = bounded(entry);
+      if (!entry.is_object()) continue;
+      const auto value = [&](const char* key) { return entry.value(key, Json()); };
+      const Ordered own = breakOf(value("source"), value("only"), value("fragments"), value("seed"),
+                                  value("options"));
       if (own.is_object()) history.breaks.push_back(jsonText(own, -1));
     }
   }

@@ -75,12 +75,14 @@ class Ids(Again):
         manifest = self.manifest(self.first)
         entry = {"fragments": 5, "seed": 1}
         manifest["only"] = [1]
-        manifest["history"] = [dict(entry, seed=k) for k in range(300)] + [{"foreign": 1}, 7, dict(entry, options={"long": "x" * 100_000})]
+        manifest["history"] = [dict(entry, seed=k) for k in range(300)] + [{"foreign": 1}, 7, dict(entry, fragments=0), dict(entry, seed=-1)]
+        manifest["history"].append(dict(entry, options={"long": "x" * 100_000}, only=["a"], source=[], foreign=2))
         pathlib.Path(self.path("long"), "manifest.json").write_text(json.dumps(manifest))
         after = self.again(self.path("long"), "--only", "1", "--pieces", "2", "--write", "labels")
         self.assertEqual(len(after["history"]), 64)
-        self.assertEqual([e["seed"] for e in after["history"]][:2] + [after["history"][-1]["seed"]], [0, 238, 41])
-        self.assertEqual(after["history_omitted"], 301 - 64)
+        self.assertEqual(after["history"][-2], entry)
+        self.assertEqual([e["seed"] for e in after["history"]][:2] + [after["history"][-1]["seed"]], [0, 239, 41])
+        self.assertEqual(after["history_omitted"], 302 - 64)
         self.assertLess(os.path.getsize(os.path.join(self.out, "manifest.json")), 100_000)
 
 
