@@ -2,6 +2,7 @@
 #include "folder/copied_files.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 
@@ -40,7 +41,9 @@ CopiedFiles::CopiedFiles(const FinishedFracture& finished, const FractureResult&
       isBeside_(stays_.size(), false),
       arePlain_(write.plainMeshes) {
   if (manifest_.empty()) return;
-  const Manifest manifest = readManifest(manifest_);
+  nlohmann::json json;
+  const Manifest manifest = readManifest(manifest_, json);
+  namesNeighbors_ = json["schema"] == kManifestSchema;  // else they have their former name
   const RunOptions earlier = inheritedOptions(manifest_);
   const WriteOptions& old = earlier.write;
   listed_.insert(manifest.files.begin(), manifest.files.end());
@@ -79,6 +82,8 @@ bool CopiedFiles::copyMesh(const Fragment& fragment, const std::string& name,
                            const OutputFolder& to) const {
   // Other surfaces than exact ones are made again, of all fragments together.
   if (fragment.meshedAs != Surface::exact || !isSame(fragment, meshes_, name)) return false;
+  const bool holdsNeighbors = name.ends_with(".ply") || name.ends_with(".glb");
+  if (holdsNeighbors && !arePlain_ && !namesNeighbors_) return false;
   const bool hasNewNeighbors = !arePlain_ && isBeside_[static_cast<std::size_t>(fragment.id)];
   if (hasNewNeighbors && name.ends_with(".glb")) return false;
   if (!hasNewNeighbors || !name.ends_with(".ply")) {
@@ -94,7 +99,8 @@ bool CopiedFiles::copyMesh(const Fragment& fragment, const std::string& name,
 
 bool CopiedFiles::copyPoints(const Fragment& fragment, const std::string& name,
                              const OutputFolder& to) const {
-  if (fragment.meshedAs != Surface::exact || !isSame(fragment, points_, name)) return false;
+  const bool areSame = points_ && namesNeighbors_;
+  if (fragment.meshedAs != Surface::exact || !isSame(fragment, areSame, name)) return false;
   if (isBeside_[static_cast<std::size_t>(fragment.id)]) return false;  // points have neighbors
   copy(name, to);
   return true;
