@@ -212,10 +212,24 @@ struct Manifest {
 ///           finished
 void requireSettled(const std::filesystem::path& path);
 
+/// Returns the manifest of a fracture's folder; another path as it is.
+///   throws  Error(input) the path cannot be read
+[[nodiscard]] std::filesystem::path manifestIn(const std::filesystem::path& path);
+
+/// Returns the options for breaking fragments of a fracture again as it was broken: those that its
+/// manifest records, and the files that it has.  Options of the whole solid and of places in it
+/// (resolution, impacts, given seeds, a density, guides, erosion, withheld fragments) and the
+/// number of pieces have their defaults, and the surface is automatic unless it is that of labels.
+/// The seed is the recorded one plus 1.
+///   path    of a fracture's folder, or its manifest
+///   throws  Error(input) what readManifest throws; an option that is damaged
+[[nodiscard]] RunOptions inheritedOptions(const std::filesystem::path& path);
+
 /// Reads a fracture from its `manifest.json`, its labels and the fragments' `.vdb` files.
 ///   throws  Error(input) not a fracture's manifest, a fracture written without labels or vdb, a
 ///           file that is absent, damaged or inconsistent with the others
-[[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& manifest,
+///   path    of a fracture's folder, or its manifest
+[[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& path,
                                             const ReadOptions& options = {});
 
 /// Reads the meshes of a fracture's fragments from their `.ply` files, and sets the solid's region:
@@ -223,7 +237,8 @@ void requireSettled(const std::filesystem::path& path);
 /// Voxel faces have no edges of the original surface, so they set no region.  Without such files,
 /// or with plain ones, which have no neighbors, the fracture stays without meshes.
 ///   throws  Error(input) a file that is absent, damaged or larger than `maxMemory`
-void readFragmentMeshes(const std::filesystem::path& manifest, FinishedFracture& finished,
+///   path    as of readFracture
+void readFragmentMeshes(const std::filesystem::path& path, FinishedFracture& finished,
                         std::uint64_t maxMemory);
 
 /// Reads the fragments of a folder: those that its manifest.json lists, else every file with an

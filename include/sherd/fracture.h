@@ -98,6 +98,13 @@ struct StageTime {
   double seconds = 0.0;
 };
 
+/// How a fracture that is broken again came to be: each break before the last one, the first one
+/// first, as the text of a JSON object (docs/formats.md).
+struct BreakHistory {
+  std::vector<std::string> breaks{};
+  std::size_t omitted = 0;  ///< after the first one, as there were too many
+};
+
 struct FractureResult {
   Solid solid;
   std::size_t components = 0;  ///< 6-connected components of the solid
@@ -122,6 +129,8 @@ struct FractureResult {
   std::vector<std::string> guideWarnings{};  ///< a sentence for each of FractureOptions::guides
                                              ///< that splits nothing, or of which a part does not
   std::vector<StageTime> times;
+  std::vector<int> broken{};  ///< of refracture: the old fragments that were broken, ascending
+  BreakHistory history{};     ///< of refracture: FinishedFracture::history
 
   std::size_t kept() const { return fragments.size() - withheld; }
 };
@@ -160,7 +169,9 @@ struct PreparedSolid {
 
 /// A fracture read from its folder.
 struct FinishedFracture {
-  SourceMesh source;  ///< file name of the original mesh, SHA-256 of the manifest, no mesh
+  /// File name of the original mesh, SHA-256 of the manifest.  After readFragmentMeshes the mesh is
+  /// the faces of the fragments' original surface, with the attributes that their files have.
+  SourceMesh source;
   int resolution = 0;
   Solid solid;    ///< the union of the fragments, without eroded and withheld voxels
   Labels labels;  ///< an id on every inside voxel
@@ -170,10 +181,18 @@ struct FinishedFracture {
   TriangleMesh faces{};
   std::vector<std::size_t> firstFace{};  ///< [fragments + 1]
   bool isExact = false;  ///< some fragments have exact surfaces; Surface::automatic then cuts them
+  BreakHistory history{};                 ///< of what breaks it again: with the break that made it
+  std::vector<std::uint32_t> sourceOf{};  ///< [faces] index in the source's mesh; of those that are
+                                          ///< not in it TriangleMesh::kNoSource
+  std::filesystem::path manifest{};       ///< that was read; empty: none was
 };
 
 /// Breaks some fragments again, each into options.pieces; the others stay.  Options of the whole
 /// (resolution, voxel size, seed file, missing, erosion) are ignored.
+///
+/// Fragments that are not broken keep their ids.  The first part of a broken one has its id, so
+/// that ids are 1..n; the other parts follow the last id, in the order of the broken fragments'
+/// ids.
 ///
 /// With Surface::exact the broken fragments' own meshes are cut, and the others stay as they are:
 /// their vertices and triangles do not change where they touch a fragment that is broken.

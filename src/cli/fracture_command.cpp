@@ -110,9 +110,15 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     }
     if (!input.finished->isExact) useSmooth(arguments);
     input.meshes = {input.finished->source};
-    input.offsets = {readManifest(arguments.mesh).offset};
+    input.offsets = {readManifest(manifestIn(arguments.mesh)).offset};
     arguments.run.fracture.solid.resolution = input.finished->resolution;
     return input;
+  }
+  std::error_code none;
+  if (fs::is_directory(arguments.mesh, none)) {
+    throw Error(ErrorCode::input, arguments.mesh +
+                                      ": is a folder, a mesh is needed; --only breaks fragments of "
+                                      "a fracture's folder again");
   }
   SourceMesh source;
   if (isVolumeName(arguments.mesh)) {
@@ -369,8 +375,10 @@ void addSelection(CLI::App& command, FractureArguments& arguments) {
   CLI::Option* only =
       command
           .add_option("--only", arguments.only,
-                      "Break these fragments of a finished fracture again; MESH is its "
-                      "manifest.json and --pieces counts for each of them")
+                      "Break these fragments of a finished fracture again; MESH is its folder, or "
+                      "its manifest.json, and --pieces counts for each of them. Options that are "
+                      "not given are those of that fracture. Other fragments keep their ids; the "
+                      "first part of a broken one has its id, the others follow the last id")
           ->delimiter(',')
           ->allow_extra_args(false)
           ->transform(wholeNumber(1, kMaxFragments))
@@ -398,6 +406,22 @@ void setGiven(const CLI::App& command, FractureArguments& arguments) {
   arguments.use.input = arguments.mesh;
 }
 
+// Takes the options that are not given from the fracture that is broken again.
+void inheritOptions(const CLI::App& command, FractureArguments& arguments) {
+  RunOptions options = inheritedOptions(arguments.mesh);
+  if (command.count("--material") >
+      0) {  // also that with none: no option of another material stays
+    FractureOptions fresh;
+    fresh.seed = options.fracture.seed;
+    fresh.surface = options.fracture.surface;
+    options.fracture = std::move(fresh);
+  }
+  const std::uint64_t seed = options.fracture.seed;
+  setGivenOptions(command, options);
+  if (command.count("--seed") == 0) options.fracture.seed = seed;  // presets have one of their own
+  arguments.run = std::move(options);
+}
+
 // Returns a sentence for each option that does nothing.
 std::vector<std::string> checkedOptions(const FractureArguments& arguments) {
   if (arguments.splitObjects && isVolumeName(arguments.mesh)) {
@@ -417,7 +441,7 @@ CLI::App* addFractureCommand(CLI::App& app, Action& run) {
       ->add_option(
           "MESH", arguments->mesh,
           "The mesh: .obj .ply .stl .off .gltf .glb .binm .fbx .dae .3mf, also .gz; or a volume: "
-          ".vdb .rle .npy .npz .vox .qstack .bing; with --only a manifest.json")
+          ".vdb .rle .npy .npz .vox .qstack .bing; with --only a fracture's folder")
       ->required();
   command
       ->add_option(
@@ -434,6 +458,7 @@ CLI::App* addFractureCommand(CLI::App& app, Action& run) {
   command->add_flag("--progress", arguments->progress,
                     "Print progress as JSON on standard error, an object a line");
   command->callback([arguments, command, &run] {
+    if (!arguments->only.empty()) inheritOptions(*command, *arguments);
     setGiven(*command, *arguments);
     const std::vector<std::string> idle = checkedOptions(*arguments);
     run = [arguments, idle] {

@@ -19,7 +19,10 @@ std::string number(double value, int digits) {
   return text;
 }
 
-bool isMesh(const FractureSummary& summary) { return !summary.source.mesh.triangles.empty(); }
+// Whether a mesh was broken, and not fragments again.
+bool isMesh(const FractureSummary& summary) {
+  return !summary.source.mesh.triangles.empty() && summary.result.parents.empty();
+}
 
 }  // namespace
 

@@ -35,6 +35,25 @@ void addDatasetOptions(CLI::App& command, DatasetOptions& options) {
   addRelations(command, fractureOptionTable());
 }
 
+void setGivenOptions(const CLI::App& command, RunOptions& options) {
+  for (const FractureOptionRow& row : fractureOptionTable()) {  // presets and materials come first
+    const CLI::Option* const option =
+        row.hidden ? nullptr : command.get_option_no_throw("--" + std::string(row.name));
+    if (option == nullptr || option->count() == 0) continue;
+    const std::vector<std::string>& texts = option->results();
+    const OptionType type = row.value.type;
+    if (type == OptionType::flag) {
+      row.value.set(options, "true");
+    } else if (type == OptionType::choices || type == OptionType::wholes) {
+      row.value.set(options, joinedText(texts, ","));
+    } else if (row.repeats) {
+      for (const std::string& text : texts) row.value.set(options, text);
+    } else {
+      row.value.set(options, texts.back());
+    }
+  }
+}
+
 OptionUse useOf(const CLI::App& command) {
   std::set<std::string, std::less<>> given;
   for (const CLI::Option* const option : command.get_options()) {

@@ -104,6 +104,9 @@ void addFractureOptions(CLI::App& command, RunOptions& options);
 /// added to options.drawn.
 void addDatasetOptions(CLI::App& command, DatasetOptions& options);
 
+/// Sets the options of a parsed command line on top of others.
+void setGivenOptions(const CLI::App& command, RunOptions& options);
+
 /// Describes a parsed command line for idleOptions.
 [[nodiscard]] OptionUse useOf(const CLI::App& command);
 

@@ -88,16 +88,19 @@ void FractureWriting::writeAll(const Progress* progress) {
 
 FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolder& folder,
                                  const FractureFiles& files, const FractureOptions& options,
-                                 const FractureResult& result)
+                                 const FractureResult& result, const CopiedFiles* kept)
     : writer_(writer),
       folder_(folder),
       files_(files),
       options_(options),
       result_(result),
+      kept_(kept == nullptr ? CopiedFiles() : *kept),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
               result.solid, writer.options()),
       attributes_(hasScenes(files) ? result.kept() : 0),
-      previews_(files.preview.empty() ? 0 : result.kept()) {}
+      previews_(files.preview.empty() ? 0 : result.kept()) {
+  if (!files.materials.empty()) (void)kept_.copyMaterials(files.materials, folder_);
+}
 
 std::span<const Fragment> FractureWriting::kept() const {
   return std::span(result_.fragments).first(result_.kept());
@@ -132,28 +135,39 @@ void FractureWriting::begin(const Progress* progress) const {
 }
 
 void FractureWriting::writeLevelSet(std::size_t i) const {
-  if (files_.vdb.empty()) return;
+  if (files_.vdb.empty() || kept_.copyLevelSet(result_.fragments[i], files_.vdb[i], folder_)) {
+    return;
+  }
   writeVdb(folder_ / files_.vdb[i], result_.fragments[i], metadata(), writer_.options().vdbOptions);
+}
+
+void FractureWriting::writePoints(std::size_t i) const {
+  const WriteOptions& write = writer_.options();
+  if (files_.points.empty() || write.sharePoints) return;
+  bool areKept = true;
+  for (const std::string& name : files_.points[i]) {
+    areKept = areKept && kept_.copyPoints(result_.fragments[i], name, folder_);
+  }
+  if (areKept) return;
+  writePointsOf(folder_, files_.points[i], result_, i, write.points.count, options_.seed, write,
+                writer_.memory());
 }
 
 void FractureWriting::writeMeshes(std::size_t i) {
   const WriteOptions& write = writer_.options();
   const Fragment& fragment = result_.fragments[i];
-  if (!files_.proxy.empty()) {
+  if (!files_.proxy.empty() && !kept_.copyProxy(fragment, files_.proxy[i], folder_)) {
     const std::string name = std::filesystem::path(files_.proxy[i]).stem().string();
     writeProxy(folder_ / files_.proxy[i], fragment, name, write.proxyGap, isDouble());
   }
   if (!files_.mesh.empty() || !attributes_.empty()) {
     SurfaceAttributes attributes = meshes_.attributesOf(fragment.mesh);
     if (!files_.mesh.empty()) {
-      meshes_.write(fragment.mesh, attributes, files_.mesh[i], isDouble());
+      meshes_.write(fragment, attributes, files_.mesh[i], isDouble(), kept_);
     }
     if (!attributes_.empty()) attributes_[i] = std::move(attributes);
   }
-  if (!files_.points.empty() && !write.sharePoints) {
-    writePointsOf(folder_, files_.points[i], result_, i, write.points.count, options_.seed, write,
-                  writer_.memory());
-  }
+  writePoints(i);
   for (std::size_t k = 0; !files_.coarse.empty() && k < files_.coarse[i].size(); ++k) {
     const TriangleMesh& coarse = fragment.coarse[k];
     meshes_.write(coarse, meshes_.attributesOf(coarse), files_.coarse[i][k], isDouble());

@@ -8,6 +8,7 @@
 
 #include "appearance/transfer.h"
 #include "base/memory_gate.h"
+#include "folder/copied_files.h"
 #include "folder/manifest.h"
 #include "folder/mesh_writer.h"
 #include "folder/rounding.h"
@@ -65,9 +66,10 @@ class FractureWriting {
  public:
   ///   result  complete except for the fragments, which are set before they are written; the number
   ///           of fragments is final
+  ///   kept    files of an earlier fracture that are copied; null: there are none
   FractureWriting(const FractureWriter& writer, const OutputFolder& folder,
                   const FractureFiles& files, const FractureOptions& options,
-                  const FractureResult& result);
+                  const FractureResult& result, const CopiedFiles* kept = nullptr);
   FractureWriting(const FractureWriting&) = delete;
   FractureWriting& operator=(const FractureWriting&) = delete;
 
@@ -89,6 +91,7 @@ class FractureWriting {
   GridMetadata metadata() const;
   bool isDouble() const { return writer_.isDouble(isExact(options_, result_), result_.solid); }
   void writeLevelSet(std::size_t i) const;
+  void writePoints(std::size_t i) const;
   void writeMeshes(std::size_t i);
 
   const FractureWriter& writer_;
@@ -96,6 +99,7 @@ class FractureWriting {
   const FractureFiles& files_;
   const FractureOptions& options_;
   const FractureResult& result_;
+  const CopiedFiles kept_;
   const MeshWriter meshes_;
   // [fragments that are not withheld], or empty
   std::vector<SurfaceAttributes> attributes_;  ///< for the scene and the viewer

@@ -113,6 +113,17 @@ Json contactsJson(const Fragment& fragment, bool areThin, std::map<int, double> 
   return contacts;
 }
 
+// Adds what was broken again, and the breaks before.
+void addHistory(Json& manifest, const FractureResult& result) {
+  manifest["only"] = result.broken;
+  if (result.history.breaks.empty()) return;
+  manifest["history"] = Json::array();
+  for (const std::string& text : result.history.breaks) {
+    manifest["history"].push_back(Json::parse(text));
+  }
+  if (result.history.omitted > 0) manifest["history_omitted"] = result.history.omitted;
+}
+
 // Returns [fragments] the seed positions of each, the primary seed first.
 std::vector<Json> seedPositions(const FractureResult& result) {
   std::vector<Json> positions(result.fragments.size(), Json::array());
@@ -321,7 +332,9 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   Json manifest = {{"schema", kManifestSchema},
                    {"source", sourceJson(source, isRefracture)},
                    {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
-  if (!source.mesh.triangles.empty()) manifest["report"] = reportJson(source, result);
+  if (isRefracture) addHistory(manifest, result);
+  if (!source.mesh.triangles.empty() && !isRefracture)
+    manifest["report"] = reportJson(source, result);
   const bool isRequested = !options.seeds.given && !isRefracture;
   if (isRequested && static_cast<std::size_t>(options.pieces) < result.fragments.size()) {
     manifest["pieces_asked"] = options.pieces;

@@ -35,29 +35,44 @@ SurfaceAttributes MeshWriter::attributesOf(const TriangleMesh& mesh) const {
   return attributes_ ? attributes_->transferTo(mesh, table_.inside()) : SurfaceAttributes();
 }
 
+std::vector<std::int32_t> MeshWriter::facesOf(const TriangleMesh& mesh) const {
+  if (!attributes_ || !attributes_->findsTriangles()) return {};
+  return sourceFaces(mesh, input_.source, *attributes_, solid_);
+}
+
+void MeshWriter::writeAs(MeshFileFormat format, const std::string& path,
+                         const PieceMesh& piece) const {
+  const OutputFile file = folder_ / path;
+  if (options_.plainMeshes && format == MeshFileFormat::ply) {
+    writePlainPly(file, piece.mesh, piece.isDouble);
+  } else if (options_.plainMeshes && format == MeshFileFormat::obj) {
+    writePlainObj(file, piece.mesh, piece.isDouble);
+  } else if (options_.plainMeshes && format == MeshFileFormat::glb) {
+    writePlainGlb(file, piece.name, piece.mesh);
+  } else {
+    writePiece(file, format, piece, library_);
+  }
+}
+
 void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
                        const std::vector<std::string>& paths, bool isDouble) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
-  std::vector<std::int32_t> faces;
-  if (attributes_ && attributes_->findsTriangles()) {
-    faces = sourceFaces(mesh, input_.source, *attributes_, solid_);
-  }
+  const std::vector<std::int32_t> faces = facesOf(mesh);
   const PieceMesh piece{name, mesh, attributes, table_, isDouble, &input_, faces};
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const MeshFileFormat format = options_.meshFormats[i];
-    if (options_.plainMeshes && format == MeshFileFormat::ply) {
-      writePlainPly(folder_ / paths[i], mesh, isDouble);
-      continue;
-    }
-    if (options_.plainMeshes && format == MeshFileFormat::obj) {
-      writePlainObj(folder_ / paths[i], mesh, isDouble);
-      continue;
-    }
-    if (options_.plainMeshes && format == MeshFileFormat::glb) {
-      writePlainGlb(folder_ / paths[i], name, mesh);
-      continue;
-    }
-    writePiece(folder_ / paths[i], format, piece, library_);
+    writeAs(options_.meshFormats[i], paths[i], piece);
+  }
+}
+
+void MeshWriter::write(const Fragment& fragment, const SurfaceAttributes& attributes,
+                       const std::vector<std::string>& paths, bool isDouble,
+                       const CopiedFiles& kept) const {
+  const std::string name = std::filesystem::path(paths.front()).stem().string();
+  const std::vector<std::int32_t> faces = facesOf(fragment.mesh);
+  const PieceMesh piece{name, fragment.mesh, attributes, table_, isDouble, &input_, faces};
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (kept.copyMesh(fragment, paths[i], folder_)) continue;
+    writeAs(options_.meshFormats[i], paths[i], piece);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "appearance/transfer.h"
+#include "folder/copied_files.h"
 #include "folder/manifest.h"
 #include "formats/mesh/materials.h"
 #include "formats/mesh/piece_mesh.h"
@@ -35,6 +36,10 @@ class MeshWriter {
   void write(const TriangleMesh& mesh, const SurfaceAttributes& attributes,
              const std::vector<std::string>& paths, bool isDouble) const;
 
+  /// The same of a fragment; copies the files that are kept.
+  void write(const Fragment& fragment, const SurfaceAttributes& attributes,
+             const std::vector<std::string>& paths, bool isDouble, const CopiedFiles& kept) const;
+
   /// Writes all fragments as scenes: one .glb, and USD in all formats.
   ///   attributes  [fragments] attributesOf their meshes
   ///   splits      of the fracture, the withheld fragments' included
@@ -52,6 +57,8 @@ class MeshWriter {
                     const std::string& path, const Progress* progress) const;
 
  private:
+  void writeAs(MeshFileFormat format, const std::string& path, const PieceMesh& piece) const;
+  std::vector<std::int32_t> facesOf(const TriangleMesh& mesh) const;
   // Returns [fragments] the names of their files.
   std::vector<std::string> namesOf(std::span<const Fragment> fragments) const;
   //   names  [fragments] to which the scene refers

@@ -4,17 +4,19 @@
 #include <sherd/fracture.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/memory.h"
 #include "base/sha256.h"
+#include "folder/again.h"
+#include "folder/fragment_meshes.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
 #include "formats/voxels/voxel_lookup.h"
 #include "grow/small_components.h"
-#include "mesh/joined.h"
 #include "pipeline/memory_estimate.h"
 #include "voxelize/distance.h"
 #include "voxelize/region.h"
@@ -78,15 +80,41 @@ void requireLevelSet(const fs::path& file, const openvdb::FloatGrid& level,
   requireMemoryOfFile(file.string(), estimatedMemory(counts.surface, counts.inside), maxMemory);
 }
 
+// Returns the mesh file that has neighbors, else the first; empty if there are none.
+std::string meshWithNeighbors(const std::vector<std::string>& meshes) {
+  for (const std::string& name : meshes) {
+    if (name.ends_with(".ply")) return name;
+  }
+  return meshes.empty() ? "" : meshes.front();
+}
+
+// Takes what `.ply` has not of materials from other formats beside it.
+void completeMaterials(JoinedMaterials& materials, const fs::path& file, const Manifest& manifest,
+                       std::uint64_t maxMemory) {
+  for (const char* const ending : {".glb", ".obj"}) {
+    for (const ManifestFragment& fragment : manifest.fragments) {
+      if (materials.isComplete()) return;
+      for (const std::string& name : fragment.meshes) {
+        if (!name.ends_with(ending) || name == meshWithNeighbors(fragment.meshes)) continue;
+        materials.complete(readMesh(listedFile(file, name), {.maxMemory = maxMemory}).appearance);
+      }
+    }
+  }
+}
+
 }  // namespace
 
-FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) {
-  const Manifest manifest = readManifest(file);
+FinishedFracture readFracture(const fs::path& path, const ReadOptions& options) {
+  const fs::path file = manifestIn(path);
+  nlohmann::json json;
+  const Manifest manifest = readManifest(file, json);
   FinishedFracture finished;
   finished.resolution = manifest.resolution;
   finished.source.name = manifest.source;
   finished.source.stem = fs::path(manifest.source).stem().string();
   finished.source.sha256 = sha256(readFileBytes(file));
+  finished.history = historyAfter(json);
+  finished.manifest = file;
 
   const std::optional<fs::path> labels = labelFile(file, manifest);
   if (!labels) {
@@ -116,25 +144,30 @@ FinishedFracture readFracture(const fs::path& file, const ReadOptions& options) 
   return finished;
 }
 
-void readFragmentMeshes(const fs::path& file, FinishedFracture& finished, std::uint64_t maxMemory) {
-  TriangleMesh faces;
-  std::vector<std::size_t> firstFace{0};
-  bool hasVoxelFaces = false, isExact = false;
-  for (const ManifestFragment& fragment : readManifest(file).fragments) {
+void readFragmentMeshes(const fs::path& path, FinishedFracture& finished, std::uint64_t maxMemory) {
+  const fs::path file = manifestIn(path);
+  const Manifest manifest = readManifest(file);
+  FragmentMeshes all;
+  JoinedMaterials materials;
+  bool hasVoxelFaces = false, isExact = false, hasNeighbors = true;
+  for (const ManifestFragment& fragment : manifest.fragments) {
     hasVoxelFaces |= fragment.isOfVoxelFaces;
     isExact |= fragment.isExact;
-    const auto ply = std::find_if(fragment.meshes.begin(), fragment.meshes.end(),
-                                  [](const std::string& name) { return name.ends_with(".ply"); });
-    if (ply == fragment.meshes.end()) return;
-    const TriangleMesh own = readMesh(listedFile(file, *ply), {.maxMemory = maxMemory}).mesh;
-    if (own.neighbor.empty()) return;
-    faces = joined(std::move(faces), own);
-    faces.neighbor.insert(faces.neighbor.end(), own.neighbor.begin(), own.neighbor.end());
-    firstFace.push_back(faces.triangles.size());
+    const std::string name = meshWithNeighbors(fragment.meshes);
+    if (name.empty()) return;
+    SourceMesh own = readMesh(listedFile(file, name), {.maxMemory = maxMemory});
+    hasNeighbors &= !own.mesh.neighbor.empty();
+    const std::vector<std::uint32_t> indices = materials.add(own.appearance);
+    append(all, std::move(own), indices);
   }
-  if (!hasVoxelFaces) finished.solid.region = regionOf(finished.solid, originalOf(faces));
-  finished.faces = std::move(faces);
-  finished.firstFace = std::move(firstFace);
+  if (!hasNeighbors && !setNeighbors(all, finished.solid.frame, finished.labels)) return;
+  completeMaterials(materials, file, manifest, maxMemory);
+  all.appearance = std::move(materials).appearance();
+  finished.source = originalSurface(all, std::move(finished.source), finished.sourceOf);
+  all.faces.attributes = {};
+  if (!hasVoxelFaces) finished.solid.region = regionOf(finished.solid, originalOf(all.faces));
+  finished.faces = std::move(all.faces);
+  finished.firstFace = std::move(all.firstFace);
   finished.isExact = isExact;
 }
 

@@ -131,6 +131,15 @@ GrownFracture grownFrom(FractureInput& input, const FractureOptions& options, De
   return grown(input.source.mesh, own, device, progress);
 }
 
+// Returns the files that stay of a fracture that is broken again.
+CopiedFiles copiedFiles(const FractureInput& input, const FractureOptions& options,
+                        const WriteOptions& write, const FractureWriter& writer,
+                        const FractureResult& result) {
+  if (input.finished == nullptr) return {};
+  return {*input.finished, result, options, write,
+          writer.isDouble(isExact(options, result), result.solid)};
+}
+
 }  // namespace
 
 WrittenFolder writeFracture(const fs::path& folder, const SourceMesh& source,
@@ -181,7 +190,8 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
   StageClock clock(std::move(result.times));
   FractureReplacement replacement(folder, files.all());
   replacement.write([&](const fs::path& staged) {
-    FractureWriting writing(writer, staged, files, options, result);
+    const CopiedFiles kept = copiedFiles(input, options, write, writer, result);
+    FractureWriting writing(writer, staged, files, options, result, &kept);
     InputBodies bodies;
     const std::vector<MeshFacts> facts =
         makeAndWrite(grown, options, write, result, bodies, writing, clock, progress);

@@ -3,8 +3,10 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 
+#include <numeric>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "base/random.h"
 #include "grow/small_components.h"
@@ -73,17 +75,34 @@ std::set<int> existingIds(std::span<const int> given, int fragments) {
   return ids;
 }
 
-// Returns [old fragments + 1] the new ids of fragments that are not broken, else 0, and adds them.
-std::vector<std::uint16_t> idsOfKept(int fragments, const std::set<int>& broken,
-                                     std::vector<int>& parents) {
-  std::vector<std::uint16_t> newId(static_cast<std::size_t>(fragments) + 1, 0);
-  for (int id = 1; id <= fragments; ++id) {
-    if (broken.count(id)) continue;
-    parents.push_back(id);
-    newId[static_cast<std::size_t>(id)] = static_cast<std::uint16_t>(parents.size());
+// Gives ids to the parts of broken fragments: the first part of each keeps the fragment's id, so
+// that ids have no gaps and those of all other fragments stay; the others follow the last id.
+class PartIds {
+ public:
+  explicit PartIds(int fragments) : parents_(static_cast<std::size_t>(fragments)) {
+    std::iota(parents_.begin(), parents_.end(), 1);
   }
-  return newId;
-}
+
+  // Returns [parts + 1] the ids of a fragment's parts.
+  std::vector<std::uint16_t> of(int broken, int parts) {
+    if (parents_.size() + static_cast<std::size_t>(parts) - 1 > kMaxFragments) {
+      throw Error(ErrorCode::usage,
+                  "there would be more than " + std::to_string(kMaxFragments) + " fragments");
+    }
+    std::vector<std::uint16_t> ids{0, static_cast<std::uint16_t>(broken)};
+    for (int part = 2; part <= parts; ++part) {
+      parents_.push_back(broken);
+      ids.push_back(static_cast<std::uint16_t>(parents_.size()));
+    }
+    return ids;
+  }
+
+  // Returns [fragments] the old fragment that each is, or is a part of.
+  std::vector<int> parents() && { return std::move(parents_); }
+
+ private:
+  std::vector<int> parents_;
+};
 
 }  // namespace
 
@@ -101,11 +120,10 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
   result.components = findComponents(*finished.solid.blocks, device).count();
   result.labels.blocks = finished.solid.blocks;
   result.labels.fragment.assign(finished.labels.fragment.size(), 0);
-  const std::vector<std::uint16_t> newId =
-      idsOfKept(finished.labels.fragmentCount, broken, result.parents);
   finished.solid.blocks->forEachInside([&](std::size_t voxelIndex) {
-    result.labels.fragment[voxelIndex] = newId[finished.labels.fragment[voxelIndex]];
+    result.labels.fragment[voxelIndex] = finished.labels.fragment[voxelIndex];
   });
+  PartIds ids(finished.labels.fragmentCount);
   const bool isExact = options.surface.surface == Surface::automatic
                            ? read.isExact && surfaceOf(options) == Surface::exact
                            : options.surface.surface == Surface::exact;
@@ -116,31 +134,29 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
     Solid fragment = solidOf(finished, id, isExact);
     SeededLabels grown = breakFragment(fragment, id, options, walls, device, progress);
     guided.add(grown);
-    const std::size_t first = result.parents.size();
-    result.parents.insert(result.parents.end(), static_cast<std::size_t>(fragmentsOf(grown.seeds)),
-                          id);
-    if (result.parents.size() > kMaxFragments) {
-      throw Error(ErrorCode::usage,
-                  "there would be more than " + std::to_string(kMaxFragments) + " fragments");
-    }
+    std::vector<std::uint16_t> own = ids.of(id, fragmentsOf(grown.seeds));
     fragment.blocks->forEachInside([&](std::size_t voxelIndex) {
-      result.labels.fragment[voxelIndex] =
-          static_cast<std::uint16_t>(first + grown.labels.fragment[voxelIndex]);
+      result.labels.fragment[voxelIndex] = own[grown.labels.fragment[voxelIndex]];
     });
     for (Seed seed : grown.seeds) {
-      seed.fragment = static_cast<std::uint16_t>(first + seed.fragment);
+      seed.fragment = own[seed.fragment];
       result.seeds.push_back(seed);
     }
-    if (isExact) parts.push_back({id, first, std::move(fragment), std::move(grown.labels)});
+    if (isExact) {
+      parts.push_back({id, std::move(own), std::move(fragment), std::move(grown.labels)});
+    }
   }
+  result.parents = std::move(ids).parents();
+  result.broken.assign(broken.begin(), broken.end());
+  result.history = finished.history;
   result.guideWarnings = guideWarnings(options.guides, guided.guide, guided.cracks, guided.splits);
   result.labels.fragmentCount = static_cast<int>(result.parents.size());
   result.labels = extendLabels(std::move(result.labels), device, options.grow.outerSteps);
   result.eroded.assign(result.parents.size() + 1, 0);
   clock.done("grow");
   if (isExact) {
-    all.exact = exactMeshesAgain(finished, parts, newId, result.labels, options.surface.adaptivity,
-                                 progress);
+    all.exact =
+        exactMeshesAgain(finished, parts, result.labels, options.surface.adaptivity, progress);
     clock.done("extract");
   }
   result.times = clock.times();

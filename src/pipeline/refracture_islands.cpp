@@ -110,6 +110,7 @@ void dropFaces(const FinishedFracture& from, const std::set<int>& fragments,
   if (from.firstFace.empty()) return;
   to.faces.triangles.clear();
   to.faces.neighbor.clear();
+  to.sourceOf.clear();
   to.firstFace.assign(1, 0);
   for (int id = 1; id <= from.labels.fragmentCount; ++id) {
     const std::size_t begin = from.firstFace[static_cast<std::size_t>(id) - 1],
@@ -120,6 +121,7 @@ void dropFaces(const FinishedFracture& from, const std::set<int>& fragments,
       if (!stays[t - begin]) continue;
       to.faces.triangles.push_back(from.faces.triangles[t]);
       to.faces.neighbor.push_back(from.faces.neighbor[t]);
+      if (!from.sourceOf.empty()) to.sourceOf.push_back(from.sourceOf[t]);
     }
     to.firstFace.push_back(to.faces.triangles.size());
   }

@@ -93,18 +93,14 @@ std::set<std::pair<std::uint16_t, std::uint16_t>> touchingPairs(const Labels& la
 class Neighbors {
  public:
   Neighbors(const FinishedFracture& finished, std::span<const BrokenFragment> broken,
-            std::span<const std::uint16_t> newId, const Labels& labels)
+            const Labels& labels)
       : faces_(finished.faces),
         areShared_(areShared(finished.faces)),
-        newId_(newId),
         frame_(finished.solid.frame),
         labels_(*labels.blocks, labels),
         touching_(touchingPairs(labels)),
-        ends_(newId.size(), {0, 0}) {
-    for (const BrokenFragment& one : broken) {
-      ends_[static_cast<std::size_t>(one.id)] = {
-          one.first, one.first + static_cast<std::size_t>(one.labels.fragmentCount)};
-    }
+        parts_(static_cast<std::size_t>(finished.labels.fragmentCount) + 1) {
+    for (const BrokenFragment& one : broken) parts_[static_cast<std::size_t>(one.id)] = one.ids;
   }
 
   // Returns the new neighbor of a face, or of a part of one: of the parts of a broken fragment the
@@ -114,11 +110,8 @@ class Neighbors {
   //   face  in FinishedFracture::faces
   std::uint16_t of(std::size_t own, std::size_t face, const glm::dvec3& centroid) {
     const std::uint16_t old = faces_.neighbor[face];
-    if (old >= newId_.size() || old == 0) return 0;
-    const bool isKept = newId_[old] != 0;
-    const std::size_t first = isKept ? newId_[old] - std::size_t{1} : ends_[old].first;
-    const std::size_t end = isKept ? newId_[old] : ends_[old].second;
-    const std::uint16_t found = isKept ? newId_[old] : nearestOf(first, end, centroid);
+    if (old >= parts_.size() || old == 0) return 0;
+    const std::uint16_t found = parts_[old].empty() ? old : nearestOf(parts_[old], centroid);
     const auto id = static_cast<std::uint16_t>(own);
     return areShared_[face] || touching_.contains(std::minmax(id, found)) ? found
                                                                           : std::uint16_t{0};
@@ -127,13 +120,13 @@ class Neighbors {
  private:
   static constexpr int kSide = 2 * kReach + 1;
 
-  // Returns which label above `first`, to `end`, has the nearest voxel within kReach; without one
-  // the first.
-  std::uint16_t nearestOf(std::size_t first, std::size_t end, const glm::dvec3& centroid) {
+  // Returns which of a broken fragment's parts has the nearest voxel within kReach; without one the
+  // first.
+  std::uint16_t nearestOf(std::span<const std::uint16_t> parts, const glm::dvec3& centroid) {
     const glm::dvec3 at = frame_.indexFromWorld(centroid);
     const glm::dvec3 middle = glm::round(at);
     double least = std::numeric_limits<double>::infinity();
-    auto nearest = static_cast<std::uint16_t>(first + 1);
+    std::uint16_t nearest = parts[1];
     for (int k = 0; k < kSide * kSide * kSide; ++k) {
       const glm::dvec3 voxel =
           middle + glm::dvec3(k / (kSide * kSide), k / kSide % kSide, k % kSide) - double{kReach};
@@ -141,7 +134,7 @@ class Neighbors {
       if (squared >= least) continue;
       const std::uint16_t label = labels_.at(openvdb::Coord(openvdb::Vec3i(
           static_cast<int>(voxel.x), static_cast<int>(voxel.y), static_cast<int>(voxel.z))));
-      if (label <= first || label > end) continue;
+      if (!std::binary_search(parts.begin() + 1, parts.end(), label)) continue;
       least = squared;
       nearest = label;
     }
@@ -150,11 +143,10 @@ class Neighbors {
 
   const TriangleMesh& faces_;
   const std::vector<bool> areShared_;
-  const std::span<const std::uint16_t> newId_;
   const GridFrame frame_;
   LabelReader labels_;
   const std::set<std::pair<std::uint16_t, std::uint16_t>> touching_;
-  std::vector<std::pair<std::size_t, std::size_t>> ends_;  // [old] its parts: above first, to end
+  std::vector<std::vector<std::uint16_t>> parts_;  // [old] BrokenFragment::ids, else empty
 };
 
 glm::dvec3 centroidOf(const TriangleMesh& mesh, std::size_t t) {
@@ -175,34 +167,42 @@ ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& br
                      adaptivity, progress);
 }
 
+// Returns TriangleMesh::source of a face, or of a part of one.
+std::uint32_t sourceOf(const FinishedFracture& finished, std::size_t face, std::uint16_t neighbor) {
+  if (neighbor != 0 || face >= finished.sourceOf.size()) return TriangleMesh::kNoSource;
+  return finished.sourceOf[face];
+}
+
 // A fragment that stays.
-LabeledMesh keptMesh(const FinishedFracture& finished, int id, std::size_t newId,
-                     Neighbors& neighbors) {
+LabeledMesh keptMesh(const FinishedFracture& finished, int id, Neighbors& neighbors) {
   SolidMesh own = meshOf(finished, id);
   LabeledMesh out{.mesh = std::move(own.mesh)};
   for (std::size_t t = 0; t < own.source.size(); ++t) {
-    out.other.push_back(neighbors.of(newId, own.source[t], centroidOf(out.mesh, t)));
-    out.mesh.source.push_back(out.other.back() == 0 ? own.source[t] : TriangleMesh::kNoSource);
+    out.other.push_back(
+        neighbors.of(static_cast<std::size_t>(id), own.source[t], centroidOf(out.mesh, t)));
+    out.mesh.source.push_back(sourceOf(finished, own.source[t], out.other.back()));
   }
   return out;
 }
 
 // Gives the parts of faces that were cracks before their new neighbors.
-void setNeighbors(std::size_t first, std::size_t own, Neighbors& neighbors, LabeledMesh& part) {
+//   ids  BrokenFragment::ids
+void setNeighbors(const FinishedFracture& finished, std::span<const std::uint16_t> ids,
+                  std::size_t own, Neighbors& neighbors, LabeledMesh& part) {
   for (std::size_t t = 0; t < part.other.size(); ++t) {
     std::uint32_t& source = part.mesh.source[t];
     if (source == TriangleMesh::kNoSource) {  // a new crack
-      part.other[t] = static_cast<std::uint16_t>(part.other[t] + first);
+      part.other[t] = ids[part.other[t]];
       continue;
     }
     part.other[t] = neighbors.of(own, source, centroidOf(part.mesh, t));
-    if (part.other[t] != 0) source = TriangleMesh::kNoSource;
+    source = sourceOf(finished, source, part.other[t]);
   }
 }
 
 // A broken fragment that could not be cut.
 struct Failed {
-  std::size_t first = 0;  // of its parts
+  std::uint16_t first = 0;  // id of a part
   std::string reason{};
 };
 
@@ -213,7 +213,7 @@ ExactSurface withoutFailed(ExactSurface all, const std::vector<Failed>& failed,
   const std::vector<std::uint32_t> set = connectedFragments(labels);
   std::map<std::uint32_t, SmoothBodies> smooth;  // by names of sets
   for (const Failed& one : failed) {
-    smooth.try_emplace(set[one.first], SmoothBodies{.reason = one.reason});
+    smooth.try_emplace(set[one.first - 1u], SmoothBodies{.reason = one.reason});
   }
   std::size_t count = 0;
   for (std::size_t i = 0; i < all.meshes.size(); ++i) {
@@ -252,30 +252,32 @@ void setExteriorBand(LeafBlocks& blocks) {
 }
 
 ExactSurface exactMeshesAgain(const FinishedFracture& finished,
-                              std::span<const BrokenFragment> broken,
-                              std::span<const std::uint16_t> newId, const Labels& labels,
+                              std::span<const BrokenFragment> broken, const Labels& labels,
                               double adaptivity, const Progress* progress) {
   if (finished.firstFace.empty()) {
-    return {.failure = "the fracture was written without .ply meshes with neighbors"};
+    return {.failure = "the fracture was written without meshes whose neighbors are known"};
   }
-  Neighbors neighbors(finished, broken, newId, labels);
+  Neighbors neighbors(finished, broken, labels);
   ExactSurface all;
+  all.meshes.resize(static_cast<std::size_t>(labels.fragmentCount));
+  std::vector<bool> isKept(static_cast<std::size_t>(finished.labels.fragmentCount) + 1, true);
+  for (const BrokenFragment& one : broken) isKept[static_cast<std::size_t>(one.id)] = false;
   for (int id = 1; id <= finished.labels.fragmentCount; ++id) {
-    if (newId[static_cast<std::size_t>(id)] == 0) continue;
-    all.meshes.push_back(keptMesh(finished, id, newId[static_cast<std::size_t>(id)], neighbors));
+    const auto at = static_cast<std::size_t>(id);
+    if (isKept[at]) all.meshes[at - 1] = keptMesh(finished, id, neighbors);
   }
   std::vector<Failed> failed;
   for (const BrokenFragment& one : broken) {
     ExactSurface parts = cutAgain(finished, one, adaptivity, progress);
     if (parts.failure.empty() && !parts.smooth.empty()) parts.failure = parts.smooth.front().reason;
     if (!parts.failure.empty()) {
-      failed.push_back({one.first, "fragment " + std::to_string(one.id) + ": " + parts.failure});
-      parts.meshes.assign(static_cast<std::size_t>(one.labels.fragmentCount), {});
+      failed.push_back({one.ids[1], "fragment " + std::to_string(one.id) + ": " + parts.failure});
+      continue;
     }
-    std::size_t own = one.first;
-    for (LabeledMesh& part : parts.meshes) {
-      setNeighbors(one.first, ++own, neighbors, part);
-      all.meshes.push_back(std::move(part));
+    for (std::size_t part = 0; part < parts.meshes.size(); ++part) {
+      const std::uint16_t own = one.ids[part + 1];
+      setNeighbors(finished, one.ids, own, neighbors, parts.meshes[part]);
+      all.meshes[own - 1u] = std::move(parts.meshes[part]);
     }
   }
   setPositions(all.meshes);

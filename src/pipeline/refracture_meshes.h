@@ -13,10 +13,10 @@ namespace sherd {
 
 /// A fragment of a finished fracture after it was broken.
 struct BrokenFragment {
-  int id = 0;             ///< in the finished fracture
-  std::size_t first = 0;  ///< its parts have the new ids first + 1, ...
-  Solid solid;            ///< of the fragment alone, with an exterior band
-  Labels labels;          ///< of its parts, 1, 2, ...
+  int id = 0;                        ///< in the finished fracture
+  std::vector<std::uint16_t> ids{};  ///< [parts + 1] those of its parts, [0] is 0
+  Solid solid;                       ///< of the fragment alone, with an exterior band
+  Labels labels;                     ///< of its parts, 1, 2, ...
 };
 
 /// Sets the exterior band to the voxels of the blocks' leaves that are not inside, and at most
@@ -24,14 +24,13 @@ struct BrokenFragment {
 void setExteriorBand(LeafBlocks& blocks);
 
 /// Returns the meshes of all new fragments: the faces of those that were kept, and the faces of the
-/// broken ones, cut.  TriangleMesh::source is an index in `finished.faces`.
-///   newId   [old fragments + 1] of those that were kept, else 0
-///   labels  of all new fragments
+/// broken ones, cut.  TriangleMesh::source is an index in the mesh of
+/// `finished.source`.
+///   labels  of all new fragments; those that were kept have the ids of before
 ///   adaptivity  SurfaceOptions::adaptivity
 ///   return  a failure where a mesh is missing, open, or can't be cut
 [[nodiscard]] ExactSurface exactMeshesAgain(const FinishedFracture& finished,
                                             std::span<const BrokenFragment> broken,
-                                            std::span<const std::uint16_t> newId,
                                             const Labels& labels, double adaptivity,
                                             const Progress* progress);
 

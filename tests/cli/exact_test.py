@@ -493,9 +493,9 @@ class Exact(CommandLine):
                 self.assertLess(abs(area - contact[other, own]), 0.02 * total)
 
     def test_fragments_without_meshes_are_broken_again_with_the_reason(self):
-        self.exact("--write", "labels,vdb,mesh", "--mesh-format", "obj")
-        again, errors = self.again("--only", "1", "--pieces", "2")
-        self.assertIn("the fracture was written without .ply meshes with neighbors, so the fragments have the smooth surface", errors)
+        self.done("--write", "labels,vdb", mesh=str(self.mesh), pieces=7)
+        again, errors = self.again("--only", "1", "--pieces", "2", "--write", "mesh")
+        self.assertIn("the fracture was written without meshes whose neighbors are known, so the fragments have the smooth surface", errors)
         self.assertEqual({f["surface"] for f in self.manifest(again)["fragments"]}, {"smooth"})
 
     def test_datasets_have_it_too(self):

@@ -429,7 +429,8 @@ class Again(Options):
         for surface in "smooth", "labels":
             first = os.path.join(self.data, surface)
             self.done("--write", "labels,vdb,mesh", "--surface", surface, pieces=4, out=first)
-            result = self.run_sherd("fracture", os.path.join(first, "manifest.json"), "--only", "2", "-o", self.out, "--pieces", "2", "--write", "mesh")
+            result = self.run_sherd("fracture", os.path.join(first, "manifest.json"), "--only", "2", "-o", self.out, "--pieces", "2", "--write", "mesh",
+                                    "--surface", "smooth")
             self.assertEqual(result.returncode, 0, result.stderr)
             result = self.run_sherd("evaluate", self.out, "--mesh", self.ball, "--json")
             errors.append(json.loads(result.stdout)["surface_error"]["voxels"]["mean"])
