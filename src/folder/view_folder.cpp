@@ -68,6 +68,8 @@ std::vector<ViewerPiece::Contact> contactsOf(const Json& fragment) {
       if (id > 0) contacts.push_back({id, numberOf(contact, "area")});
     }
   }
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const auto& a, const auto& b) { return a.fragment < b.fragment; });
   return contacts;
 }
 
