@@ -251,7 +251,7 @@ def fracture(
     propagation: float | str | os.PathLike[str] | Sequence[Any] | None = None,
     isolated: Literal["keep", "regrow"] | None = "regrow",
     sizes: float | str | os.PathLike[str] | Sequence[Any] | None = "grown",
-    min_share: float | None = 0,
+    min_share: float | Literal["auto"] | None = "auto",
     balance: int | None = 0,
     erode_iterations: float | str | None = 0,
     erode_shape: Literal["cross", "square", "ellipse"] | None = "ellipse",
