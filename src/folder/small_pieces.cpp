@@ -37,6 +37,7 @@ std::vector<std::string> smallPieces(const FractureResult& result) {
   const double voxel = std::pow(result.solid.frame.voxelSize, 3);
   std::vector<int> small, hollow;
   for (const Fragment& fragment : result.fragments) {
+    if (fragment.voxels == 0) continue;  // of a solid that is not broken
     const auto own = static_cast<double>(fragment.voxels);
     if (own < least * voxels) small.push_back(fragment.id);
     if (fragment.mass.volume < kShareOfVoxels * own * voxel) hollow.push_back(fragment.id);
