@@ -21,6 +21,7 @@
 #include "surface/layer.h"
 #include "surface/vertex_numbers.h"
 #include "voxelize/leaf_blocks.h"
+#include "voxelize/spread.h"
 
 namespace sherd {
 namespace {
@@ -128,26 +129,13 @@ ClosedSolid layerOf(const Solid& solid, const Labels& labels, std::size_t layer)
 Labels healed(Labels labels, const Progress* progress) {
   std::vector<std::size_t> eroded;
   for (std::size_t voxel = 0; voxel < labels.fragment.size(); ++voxel) {
-    if (labels.fragment[voxel] == Labels::kEroded) eroded.push_back(voxel);
+    if (labels.fragment[voxel] != Labels::kEroded) continue;
+    eroded.push_back(voxel);
+    labels.fragment[voxel] = 0;
   }
-  const auto labelBeside = [&](std::size_t voxel) {
-    for (std::size_t side = 0; side < 6; ++side) {
-      const std::size_t beside = voxelBeside(*labels.blocks, voxel, side);
-      const std::uint16_t label = beside == kNoVoxel ? std::uint16_t{0} : labels.fragment[beside];
-      if (label != 0 && label != Labels::kEroded) return label;
-    }
-    return std::uint16_t{0};
-  };
-  while (!eroded.empty()) {
-    throwIfCancelled(progress);
-    std::vector<std::pair<std::size_t, std::uint16_t>> found;
-    std::erase_if(eroded, [&](std::size_t voxel) {
-      const std::uint16_t label = labelBeside(voxel);
-      if (label != 0) found.emplace_back(voxel, label);
-      return label != 0;
-    });
-    if (found.empty()) break;
-    for (const auto& [voxel, label] : found) labels.fragment[voxel] = label;
+  for (const std::size_t voxel :
+       spread(*labels.blocks, std::move(eroded), labels.fragment, progress)) {
+    labels.fragment[voxel] = Labels::kEroded;
   }
   return labels;
 }

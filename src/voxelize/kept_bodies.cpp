@@ -5,12 +5,12 @@
 #include <numeric>
 #include <utility>
 
-#include "base/cancel_flag.h"
 #include "mesh/boxes.h"
 #include "mesh/near_boxes.h"
 #include "voxelize/component_meshes.h"
 #include "voxelize/disjoint_bodies.h"
 #include "voxelize/leaf_blocks.h"
+#include "voxelize/spread.h"
 #include "voxelize/winding.h"
 
 namespace sherd {
@@ -95,25 +95,9 @@ void giveRest(const LeafBlocks& blocks, VoxelLayers& layers, const Progress* pro
   blocks.forEachInside([&](std::size_t voxel) {
     if (layers[voxel] == 0) rest.push_back(voxel);
   });
-  const auto layerBeside = [&](std::size_t voxel) {
-    for (std::size_t side = 0; side < 6; ++side) {
-      const std::size_t beside = voxelBeside(blocks, voxel, side);
-      if (beside != kNoVoxel && layers[beside] != 0) return layers[beside];
-    }
-    return std::uint16_t{0};
-  };
-  while (!rest.empty()) {
-    throwIfCancelled(progress);
-    std::vector<std::pair<std::size_t, std::uint16_t>> found;
-    std::erase_if(rest, [&](std::size_t voxel) {
-      const std::uint16_t layer = layerBeside(voxel);
-      if (layer != 0) found.emplace_back(voxel, layer);
-      return layer != 0;
-    });
-    if (found.empty()) break;
-    for (const auto& [voxel, layer] : found) layers[voxel] = layer;
+  for (const std::size_t voxel : spread(blocks, std::move(rest), layers, progress)) {
+    layers[voxel] = 1;
   }
-  for (const std::size_t voxel : rest) layers[voxel] = 1;
 }
 
 VoxelLayers voxelLayers(const LeafBlocks& blocks, const KeptBodies& bodies,

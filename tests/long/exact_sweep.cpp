@@ -190,6 +190,20 @@ TriangleMesh merged(TriangleMesh mesh) {
   return mesh;
 }
 
+// What is wrong with a fragment alone, which is one body.
+std::string faultsOfPiece(const Fragment& fragment) {
+  const TriangleMesh& mesh = fragment.mesh;
+  const std::string id = "fragment " + std::to_string(fragment.id);
+  std::string faults;
+  if (openEdges(mesh) > 0) faults += id + " is open; ";
+  if (nonManifoldEdges(mesh) > 0) faults += id + " is not manifold; ";
+  if (bodiesOf(mesh).size() != 1) faults += id + " is several bodies; ";
+  if (!selfCrossings(mesh.vertices, merged(mesh).triangles).empty()) {
+    faults += id + " crosses itself; ";
+  }
+  return faults;
+}
+
 // What is wrong with the fragments of bodies: each is one body, and all are the union.
 //   isWorn    whether cracks were eroded, which takes volume away
 //   isParted  whether the union touches itself along edges
@@ -199,12 +213,7 @@ std::string faultsOfBodies(const Input& input, const std::vector<Fragment>& frag
   std::string faults;
   for (const Fragment& fragment : fragments) {
     const TriangleMesh& mesh = fragment.mesh;
-    const std::string id = "fragment " + std::to_string(fragment.id);
-    if (openEdges(mesh) > 0) faults += id + " is open; ";
-    if (nonManifoldEdges(mesh) > 0) faults += id + " is not manifold; ";
-    if (bodiesOf(mesh).size() != 1) faults += id + " is several bodies; ";
-    if (!selfCrossings(mesh.vertices, merged(mesh).triangles).empty())
-      faults += id + " crosses itself; ";
+    faults += faultsOfPiece(fragment);
     sum += volume(mesh);
   }
   // Sheets of a union that touch along edges are parted.
@@ -267,17 +276,14 @@ std::string faultsOfKept(const Input& input, const FractureResult& result, bool 
   std::vector<std::uint32_t> bodyOf(result.fragments.size() + 1, kNone);
   for (const Fragment& fragment : result.fragments) {
     const TriangleMesh& mesh = fragment.mesh;
-    const std::string id = "fragment " + std::to_string(fragment.id);
-    if (openEdges(mesh) > 0) faults += id + " is open; ";
-    if (nonManifoldEdges(mesh) > 0) faults += id + " is not manifold; ";
-    if (bodiesOf(mesh).size() != 1) faults += id + " is several bodies; ";
-    if (!selfCrossings(mesh.vertices, merged(mesh).triangles).empty())
-      faults += id + " crosses itself; ";
+    faults += faultsOfPiece(fragment);
     std::set<std::uint32_t> own;
     for (const std::uint32_t source : mesh.source) {
       if (source != TriangleMesh::kNoSource) own.insert(input.body[source]);
     }
-    if (own.size() > 1) faults += id + " is of several bodies; ";
+    if (own.size() > 1) {
+      faults += "fragment " + std::to_string(fragment.id) + " is of several bodies; ";
+    }
     if (!own.empty()) {
       bodyOf[static_cast<std::size_t>(fragment.id)] = *own.begin();
       sums[*own.begin()] += volume(mesh);
