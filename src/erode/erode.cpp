@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "base/random.h"
 #include "erode/largest_part.h"
@@ -247,6 +248,13 @@ void restore(const FragmentMasks& fragment, std::uint16_t id, const Labels& befo
   }
 }
 
+std::vector<LeafMask> difference(std::vector<LeafMask> masks, const std::vector<LeafMask>& other) {
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    for (std::size_t x = 0; x < 8; ++x) masks[i][x] &= ~other[i][x];
+  }
+  return masks;
+}
+
 // Erodes a fragment of which the largest part must keep some voxels after each iteration.  Returns
 // the number of voxels lost, islands included.
 std::uint64_t erodeConnected(FragmentMasks& fragment, const Eroder& eroder,
@@ -255,16 +263,10 @@ std::uint64_t erodeConnected(FragmentMasks& fragment, const Eroder& eroder,
   for (int iteration = 0; iteration < passes.count; ++iteration) {
     const std::vector<LeafMask> eroded = eroder.erodedIn(fragment, iteration);
     FragmentMasks left = fragment;
-    for (std::size_t i = 0; i < eroded.size(); ++i) {
-      for (std::size_t x = 0; x < 8; ++x) left.masks[i][x] &= ~eroded[i][x];
-    }
+    left.masks = difference(std::move(left.masks), eroded);
     if (largestPart(left).voxels >= least) lost += markEroded(fragment, eroded, labels);
   }
-  const std::vector<LeafMask> largest = largestPart(fragment).masks;
-  std::vector<LeafMask> islands = fragment.masks;
-  for (std::size_t i = 0; i < islands.size(); ++i) {
-    for (std::size_t x = 0; x < 8; ++x) islands[i][x] &= ~largest[i][x];
-  }
+  const std::vector<LeafMask> islands = difference(fragment.masks, largestPart(fragment).masks);
   return lost + markEroded(fragment, islands, labels);
 }
 
