@@ -44,7 +44,7 @@ struct Guide {
 /// Options of a fracture, by stage.  `pieces` and `seed` are those of the whole: a stage's own
 /// (SeedOptions::pieces and seed, GrowOptions::noiseSeeds, ErodeOptions::seed) are derived from
 /// them, and refused where they are set.  So are GrowOptions::longestSideVoxels and walls, and
-/// ErodeOptions::longestSideVoxels, which are derived from the solid.
+/// ErodeOptions::longestSideVoxels and least, which are derived from the solid.
 struct FractureOptions {
   MaterialPreset material = MaterialPreset::none;  ///< whose options these are; only recorded
   int pieces = 8;                                  ///< fragments wanted, 1..kMaxFragments

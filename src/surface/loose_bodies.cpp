@@ -20,8 +20,8 @@
 namespace sherd {
 namespace {
 
-// How many times the least volume a body without voxels may have: voxels may be eight times as many
-// as their sum in thin ones.
+// Bodies of more than so many times the least volume are not looked at: they have voxels, or are
+// too large to vanish.
 constexpr double kMostLoose = 8.0;
 
 // A part of a mesh that is connected.

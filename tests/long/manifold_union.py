@@ -5,7 +5,7 @@ usage: manifold_union.py COUNT [SEED]    (needs manifold3d 3 and NumPy; SHERD_BI
 
 Random boxes, wedges and balls, two to seven at a time, rotated or not, broken with --surface exact in planes and as stone.  Manifold's
 union is of doubles: sums of volumes may differ from its by 1e-9 of the box.  Bodies on a grid may meet in edges, where sheets of the
-union are parted by 3e-5 of the longest side, more where edges are sharp: by 1e-4.
+union are parted by 3e-5 of the longest side, up to 2.5e-4: by 1e-4.
 """
 import itertools
 import json
