@@ -127,7 +127,7 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside);
   const VoxelIndex onSurface(*solid.blocks, surface);
   const VoxelIndex& voxels = on == SeedsOn::surface ? onSurface : inside;
-  const Candidates candidates(solid, voxels, on, thinFor(solid.voxels, pieces));
+  const Candidates candidates(solid, voxels, on, thinFor(solid, pieces));
 
   const auto extra = static_cast<std::size_t>(options.extraSeeds) +
                      static_cast<std::size_t>(options.extraSeedsPerPiece) * pieces;

@@ -143,34 +143,108 @@ glm::dvec3 wallMiddle(const Walls& walls, const glm::dvec3& point, double most) 
   return wall ? wall->middle : point;
 }
 
-double thinFor(std::uint64_t voxels, std::size_t pieces) {
-  return std::cbrt(static_cast<double>(voxels) /
-                   static_cast<double>(std::max<std::size_t>(pieces, 1)));
+double thinFor(const Solid& solid, std::size_t pieces) {
+  const double size = solid.frame.voxelSize;
+  const bool isKnown = solid.region && solid.report.fill == Fill::winding;
+  const double ofMesh = isKnown ? solid.report.meshVolume / (size * size * size) : 0.0;
+  const double volume = ofMesh > 0.0 ? ofMesh : static_cast<double>(solid.voxels);
+  return std::cbrt(volume / static_cast<double>(std::max<std::size_t>(pieces, 1)));
 }
 
-bool isThin(const Solid& solid, std::size_t pieces) {
-  constexpr std::uint64_t kSamples = 64, kMostThick = kSamples / 4;
-  if (pieces < 2 || !solid.distance || solid.voxels == 0) return false;
-  const Walls walls(solid);
-  const double most = thinFor(solid.voxels, pieces);
-  const LeafBlocks& blocks = *solid.blocks;
+namespace {
+
+constexpr std::uint64_t kThinSamples = 64;
+
+// Returns the centers of the middle voxels of 64 parts of a solid's voxels, by their number.
+std::vector<glm::dvec3> middleVoxels(const LeafBlocks& blocks) {
+  std::vector<glm::dvec3> points;
   const std::uint64_t all = blocks.insideVoxels();
-  std::uint64_t seen = 0, taken = 0, thick = 0;
+  std::uint64_t seen = 0;
   for (std::size_t word = 0; word < blocks.inside.size(); ++word) {
-    std::uint64_t bits = blocks.inside[word];
+    const std::uint64_t bits = blocks.inside[word];
     const auto count = static_cast<std::uint64_t>(std::popcount(bits));
-    // The middle voxel of each of 64 parts, by their number.
-    for (std::uint64_t next = (2 * taken + 1) * all / (2 * kSamples);
-         taken < kSamples && next < seen + count; next = (2 * ++taken + 1) * all / (2 * kSamples)) {
+    while (points.size() < kThinSamples) {
+      const std::uint64_t next = (2 * points.size() + 1) * all / (2 * kThinSamples);
+      if (next >= seen + count) break;
       std::uint64_t left = bits;
       for (std::uint64_t i = seen; i < next; ++i) left &= left - 1;
       const openvdb::Coord voxel =
           blocks.voxelAt(word * 64 + static_cast<std::size_t>(std::countr_zero(left)));
-      if (!walls.at({voxel.x(), voxel.y(), voxel.z()}, most) && ++thick > kMostThick) return false;
+      points.emplace_back(voxel.x(), voxel.y(), voxel.z());
     }
     seen += count;
   }
+  return points;
+}
+
+// The index mirrored at the radix point, in a base.
+double mirrored(std::uint64_t index, std::uint64_t base) {
+  double sum = 0.0, digit = 1.0;
+  for (; index > 0; index /= base) {
+    digit /= static_cast<double>(base);
+    sum += digit * static_cast<double>(index % base);
+  }
+  return sum;
+}
+
+// Returns points inside a mesh, the first 64 of Halton's sequence in its box: the same at every
+// resolution.  Fewer where the box is nearly empty.
+std::vector<glm::dvec3> pointsInside(const Solid& solid) {
+  constexpr std::uint64_t kMostDraws = 1 << 14;
+  constexpr double kSure = 1.5;  // voxels, as in Candidates
+  const SolidRegion& region = *solid.region;
+  const auto distanceAt = valuesOf(solid.distance);
+  std::vector<glm::dvec3> points;
+  for (std::uint64_t i = 1; i < kMostDraws && points.size() < kThinSamples; ++i) {
+    const glm::dvec3 unit(mirrored(i, 2), mirrored(i, 3), mirrored(i, 5));
+    const glm::dvec3 point = unit * region.sides() - 0.5;
+    const glm::dvec3 near = glm::floor(point + 0.5);
+    const double distance =
+        distanceAt({static_cast<int>(near.x), static_cast<int>(near.y), static_cast<int>(near.z)}) /
+        solid.frame.voxelSize;
+    if (distance > kSure || (distance > -kSure && !region.contains(point))) continue;
+    points.push_back(point);
+  }
+  return points;
+}
+
+// Returns whether the wall at a point inside a mesh is thinner than `most`: by the mesh, through
+// surfaces that lie within the solid.
+bool isInThinWall(const SolidRegion& region, const glm::dvec3& point, double most) {
+  const glm::dvec3 away = point - region.onSurface(point);
+  const double depth = glm::length(away);
+  if (depth > most) return false;
+  if (depth == 0.0) return true;
+  const glm::dvec3 inward = away / depth;
+  const glm::dvec3& sides = region.sides();
+  const double step = 1e-4 * std::max({sides.x, sides.y, sides.z});
+  glm::dvec3 at = point;
+  for (int i = 0; i < 16; ++i) {
+    const std::optional<glm::dvec3> hit = region.firstHit(at, inward);
+    if (!hit || depth + glm::distance(point, *hit) > most) return false;
+    at = *hit + step * inward;
+    if (!region.contains(at)) return true;
+  }
   return true;
+}
+
+}  // namespace
+
+bool isThin(const Solid& solid, std::size_t pieces) {
+  if (pieces < 2 || !solid.distance || solid.voxels == 0) return false;
+  const double most = thinFor(solid, pieces);
+  std::vector<glm::dvec3> points;
+  std::size_t thick = 0;
+  if (solid.region && solid.region->boundary() != nullptr) points = pointsInside(solid);
+  if (points.size() == kThinSamples) {
+    for (const glm::dvec3& point : points)
+      thick += isInThinWall(*solid.region, point, most) ? 0 : 1;
+    return thick <= kThinSamples / 4;
+  }
+  const Walls walls(solid);
+  points = middleVoxels(*solid.blocks);
+  for (const glm::dvec3& point : points) thick += walls.at(point, most) ? 0 : 1;
+  return thick <= kThinSamples / 4;
 }
 
 SeedsOn resolved(SeedsOn on, const Solid& solid, std::size_t pieces) {

@@ -56,10 +56,11 @@ class Walls {
 
 /// Returns below which thickness a wall is thin for this number of pieces, in voxels: the side of a
 /// cube of a piece's volume.  Pieces of a thinner wall are wider than it is thick.
-[[nodiscard]] double thinFor(std::uint64_t voxels, std::size_t pieces);
+[[nodiscard]] double thinFor(const Solid& solid, std::size_t pieces);
 
 /// Returns whether a solid is a vessel, a shell or a plate as far as its pieces are concerned: the
-/// wall is thin at three quarters of its voxels, of which up to 64 are measured.
+/// wall is thin at three quarters of 64 points inside, which are the same at every resolution; of a
+/// solid without a mesh, of voxels.
 [[nodiscard]] bool isThin(const Solid& solid, std::size_t pieces);
 
 /// Returns what SeedsOn::automatic is for a solid, and other values as they are.

@@ -179,6 +179,22 @@ TEST(ThinSolids, AreVesselsShellsAndPlates) {
   EXPECT_EQ(resolved(SeedsOn::surface, shell, 10), SeedsOn::surface);
 }
 
+TEST(ThinSolids, AreThinAtAnyResolution) {
+  for (const TriangleMesh& mesh : {shapes::torus(1.0, 0.4), shapes::cup(1.0, 0.3, 1.6, 0.3),
+                                   shapes::box({2.0, 1.7, 0.4}), shapes::hollowBall(1.0, 0.7)}) {
+    const Solid coarse = voxelize(mesh, {.resolution = 40}),
+                fine = voxelize(mesh, {.resolution = 97});
+    bool isAnyThin = false, isAnyThick = false;
+    for (std::size_t pieces = 2; pieces < 200; pieces += 1 + pieces / 8) {
+      const bool isCoarse = isThin(coarse, pieces);
+      EXPECT_EQ(isCoarse, isThin(fine, pieces)) << pieces;
+      (isCoarse ? isAnyThin : isAnyThick) = true;
+    }
+    EXPECT_TRUE(isAnyThick);
+    EXPECT_TRUE(isAnyThin || mesh.vertices.size() == 96 * 48);  // a torus never is
+  }
+}
+
 // The mean angle in degrees between cracks and the direction across the wall at them.
 template <class Across>
 double leanOf(const TriangleMesh& mesh, SeedsOn on, Growth growth, const Across& across,
