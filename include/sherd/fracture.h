@@ -148,6 +148,7 @@ struct FractureResult {
                                       const Progress* progress = nullptr);
 
 class SolidWalls;
+class DecidingSolids;
 
 /// A solid with what is computed once for any number of fractures.
 struct PreparedSolid {
@@ -157,6 +158,9 @@ struct PreparedSolid {
   /// Of the solid, found by the first fracture that needs them and kept, 3 KiB for each leaf node;
   /// null, or of a solid with other leaf blocks: found for each fracture.
   std::shared_ptr<SolidWalls> walls{};
+  /// On which splits are decided, found by the first fracture that needs it and kept; null: found
+  /// for each fracture.
+  std::shared_ptr<DecidingSolids> deciding{};
 };
 
 /// Drops small components and finds the others; leaves `surface` null.

@@ -280,8 +280,9 @@ struct Solid {
   std::uint64_t smallComponents = 0;       ///< components dropped, see kSmallComponentVoxels
   std::uint64_t smallComponentVoxels = 0;  ///< voxels in them
   SolidReport report{};
-  /// The mesh, which decides where seeds are inside; null for a solid that has none.  It keeps
-  /// trees of triangles, some 150 bytes for each.
+  /// The mesh, which decides where seeds are inside, and on which splits and impacts are decided;
+  /// null for a solid that has none.  It keeps trees of triangles, some 150 bytes for each, and
+  /// their vertices once more.
   std::shared_ptr<const SolidRegion> region{};
   std::shared_ptr<const SolidMesh> mesh{};  ///< with SolidOptions::keepMesh, else null
   /// Where the surface attributes of the mesh change abruptly.  With SolidOptions::keepSeams, if

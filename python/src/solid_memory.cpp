@@ -79,7 +79,7 @@ sherd::Box Solid::surfaceBox() const {
 }
 
 std::uint64_t Solid::bytes() const {
-  constexpr std::uint64_t kTreesPerTriangle = 150;  // of Solid::region
+  constexpr std::uint64_t kTreesPerTriangle = 174;  // of Solid::region, which copies the mesh
   std::uint64_t bytes = solid().distance->memUsage() + bytesOf(*solid().blocks) + bytesOf(source_);
   if (solid().region) bytes += kTreesPerTriangle * source_.mesh.triangles.size();
   if (solid().mesh) bytes += bytesOf(solid().mesh->mesh) + bytesOf(solid().mesh->source);

@@ -476,6 +476,22 @@ std::vector<SeededLabels> growBySplits(std::shared_ptr<const LeafBlocks> blocks,
   return inBatches<SeededLabels>(runs, *blocks, device, inWalls, options, growSome);
 }
 
+std::vector<GivenSplits> decideSplits(const LeafBlocks& blocks, const VoxelComponents& components,
+                                      std::span<const SplitRun> runs, Device& device,
+                                      const GrowOptions& options, const Progress* progress) {
+  check(options);
+  const auto decideSome = [&](auto some, const auto& own) {
+    const GrowthLeaves leaves(blocks);
+    GrowthState state(leaves.blocks(), some.size(), implOf(device), own.tuning.workGroupSize,
+                      leaves.apart());
+    std::vector<GivenSplits> all;
+    SplitGrowth grown = grownBySplits(state, components, some, leaves.within(own), progress);
+    for (SplitPieces& each : grown.fractures) all.push_back(std::move(each.decided));
+    return all;
+  };
+  return inBatches<GivenSplits>(runs, blocks, device, true, options, decideSome);
+}
+
 Labels extendLabels(Labels labels, Device& device, int steps) {
   checkLabels(labels);
   GrowthState state(*labels.blocks, 1, implOf(device));

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "grow/given_splits.h"
 #include "grow/guide_sides.h"
 #include "grow/seeded_labels.h"
 #include "seed/split_impacts.h"
@@ -28,6 +29,8 @@ struct SplitRun {
   std::span<const SplitImpact> impacts{};  ///< of which cracks are the first after those of guides
   std::span<const double> densities{};     ///< [leaves] see leaf_densities.h; shares are of voxels
                                            ///< times these.  None: of voxels
+  const GivenSplits* given = nullptr;      ///< or null: of the run's shares, in its solid's voxels.
+                                       ///< Splits that the voxels do not resolve are decided anew
 };
 
 /// A fracture whose shares are drawn.
@@ -38,6 +41,7 @@ struct SequentialFracture {
   std::vector<SplitImpact> impacts{};  ///< as in SplitRun
   SeedsOn on = SeedsOn::automatic;     ///< wall: cracks go straight through walls; volume: they are
                                        ///< not even rotated into them
+  bool isDecidedElsewhere = false;     ///< on DecidingSolid, of which densities and impacts are
 };
 
 /// Grows fragments by splits, then the same as `grow`: roughness, regrowth, extension into the
@@ -55,14 +59,33 @@ struct SequentialFracture {
                                                      const GrowOptions& options,
                                                      const Progress* progress = nullptr);
 
+/// Decides the splits of runs, none of which has given ones.
+///   throws  as growBySplits
+[[nodiscard]] std::vector<GivenSplits> decideSplits(const LeafBlocks& blocks,
+                                                    const VoxelComponents& components,
+                                                    std::span<const SplitRun> runs, Device& device,
+                                                    const GrowOptions& options,
+                                                    const Progress* progress = nullptr);
+
+/// A solid of the same mesh on which splits are decided.  All by reference.
+struct DecidingSolid {
+  const Solid& solid;
+  SolidWalls& walls;
+  const VoxelComponents& components;
+  const GuideSides& guides;
+  std::span<const std::uint32_t> component;  ///< [components of the other] those of this one
+};
+
 /// The same with shares that are drawn, by ShareOptions or as splits give them, and drawn again
 /// where a fragment is below the least one.
-///   walls   of the solid
-///   guides  see SplitRun
+///   walls     of the solid
+///   guides    see SplitRun
+///   deciding  of fractures that are decided elsewhere; null if there are none
 ///   throws  also Error(usage) the least share cannot be reached, or not within the tries
 [[nodiscard]] std::vector<SeededLabels> growSequential(
     const Solid& solid, SolidWalls& walls, const VoxelComponents& components,
     std::span<const SequentialFracture> fractures, Device& device, const GrowOptions& options,
-    const ShareOptions& shares, const GuideSides& guides, const Progress* progress = nullptr);
+    const ShareOptions& shares, const GuideSides& guides, const DecidingSolid* deciding,
+    const Progress* progress = nullptr);
 
 }  // namespace sherd

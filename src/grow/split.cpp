@@ -77,6 +77,13 @@ void splitAll(SplitFracture& fracture, std::size_t crack) {
   fracture.planes.assign(fracture.ids.size() + 1, SplitPlane{});
   for (const SplitPiece& piece : fracture.pieces) {
     if (!piece.isSplit()) continue;
+    if (piece.isGiven) {
+      const Split& next = fracture.given.next(piece.label)->split;
+      const bool isThis = !next.isSphere && next.normal == glm::ivec3(0) &&
+                          next.offset == static_cast<std::int64_t>(crack);
+      if (isThis) fracture.planes[piece.label] = {glm::ivec3(0), next.offset, next.added};
+      continue;
+    }
     fracture.planes[piece.label] = {glm::ivec3(0), static_cast<std::int64_t>(crack),
                                     fracture.nextId()};
   }
@@ -184,17 +191,36 @@ std::vector<double> meantShares(const SplitFracture& fracture) {
   return shares;
 }
 
-// Orders splits by the size of what they split, and converts planes to voxels of the grid.
+// Converts planes to voxels of the grid.
+Split inGrid(Split split, const openvdb::Coord& lowest) {
+  for (int i = 0; i < 3; ++i) {
+    split.offset += 64 * std::int64_t{split.normal[i]} * lowest[i];
+    if (split.isSphere) split.center[i] += 64 * lowest[i];
+  }
+  return split;
+}
+
+// The same, ordered by the size of what they split.
 std::vector<Split> ordered(std::vector<Split> splits, const openvdb::Coord& lowest) {
   std::stable_sort(splits.begin(), splits.end(),
                    [](const Split& a, const Split& b) { return a.voxels > b.voxels; });
-  for (Split& split : splits) {
-    for (int i = 0; i < 3; ++i) {
-      split.offset += 64 * std::int64_t{split.normal[i]} * lowest[i];
-      if (split.isSphere) split.center[i] += 64 * lowest[i];
-    }
-  }
+  for (Split& split : splits) split = inGrid(split, lowest);
   return splits;
+}
+
+// What was decided, for another solid of the mesh.
+GivenSplits decidedOf(SplitFracture& fracture) {
+  GivenSplits all{.roots = std::move(fracture.roots)};
+  for (const GivenSplit& each : fracture.decided) {
+    all.splits.push_back({inGrid(each.split, fracture.lowest), each.kept});
+  }
+  all.leastVoxels = static_cast<std::uint64_t>(fracture.sums[1].count);
+  for (std::size_t id = 1; id < fracture.sums.size(); ++id) {
+    all.leastVoxels =
+        std::min(all.leastVoxels, static_cast<std::uint64_t>(fracture.sums[id].count));
+  }
+  all.shares = std::move(fracture.shares);
+  return all;
 }
 
 std::vector<glm::ivec3> lowestOfLeaves(const LeafBlocks& blocks, const openvdb::Coord& from) {
@@ -267,7 +293,7 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   for (std::size_t f = 0; f < fractures.size(); ++f) {
     grown.fractures.push_back({ordered(std::move(fractures[f].splits), lowest),
                                innerVoxels(state, nodes, f, fractures[f], low),
-                               meantShares(fractures[f])});
+                               meantShares(fractures[f]), decidedOf(fractures[f])});
   }
   return grown;
 }

@@ -18,6 +18,7 @@ struct SplitPieces {
   std::vector<Split> splits;   ///< a piece before those that come of it
   std::vector<Seed> seeds;     ///< [fragments] by id: an inner voxel of each
   std::vector<double> shares;  ///< [fragments] by id: those of the run
+  GivenSplits decided;         ///< in voxels of the grid
 };
 
 struct SplitGrowth {

@@ -47,7 +47,62 @@ std::size_t dividedSides(const SplitPiece& piece, std::int64_t crack, std::size_
                     count - 1);
 }
 
+// The number of fragments that come of a piece's part that keeps its id, and the sides of given
+// cracks that both parts have.
+struct DividedPiece {
+  std::size_t first = 1;
+  std::vector<std::uint64_t> keptSides{}, addedSides{};
+};
+
+DividedPiece dividedPiece(const SplitFracture& fracture, const SplitPiece& piece,
+                          const SplitPlane& plane) {
+  DividedPiece divided;
+  if (piece.isGiven) {
+    divided.first = fracture.given.next(piece.label)->kept;
+    return divided;
+  }
+  const std::size_t count = piece.last - piece.first;
+  if (plane.impact) {
+    divided.first =
+        keptPieces(*plane.impact, count, static_cast<std::size_t>(fracture.sums[piece.label].count),
+                   static_cast<std::size_t>(fracture.sums[plane.added].count));
+    return divided;
+  }
+  const std::span<const double> shares(&fracture.shares[piece.first], count);
+  const double keptMass = fracture.mass[piece.label], addedMass = fracture.mass[plane.added];
+  divided.first = firstOf(shares, keptMass / (keptMass + addedMass));
+  if (plane.normal == glm::ivec3(0)) {
+    divided.first =
+        dividedSides(piece, plane.offset, divided.first, divided.keptSides, divided.addedSides);
+  }
+  return divided;
+}
+
+// Decides anew the splits that are left of a piece.
+void dropGiven(SplitFracture& fracture, std::uint16_t id) {
+  for (const std::uint16_t dropped : fracture.given.dropped(id)) fracture.returnId(dropped);
+}
+
+// After a crack that has all voxels of a piece on one side.
+void recordMiss(SplitFracture& fracture, SplitPiece& piece, const SplitPlane& plane) {
+  if (piece.isGiven) {
+    dropGiven(fracture, piece.label);
+    piece.isGiven = false;
+    return;
+  }
+  if (plane.impact) {
+    afterMiss(*plane.impact, fracture.sums[piece.label].mean(), piece.nextImpact, piece.pattern);
+  } else {
+    piece.missed = plane.normal != glm::ivec3(0);
+  }
+  fracture.returnId(plane.added);
+}
+
 }  // namespace
+
+void SplitFracture::returnId(std::uint16_t id) {
+  std::swap(*std::find(ids.begin(), ids.end(), id), ids[--taken]);
+}
 
 void recordSplits(SplitFracture& fracture) {
   std::vector<SplitPiece> pieces;
@@ -60,39 +115,32 @@ void recordSplits(SplitFracture& fracture) {
     const auto kept = static_cast<std::size_t>(fracture.sums[piece.label].count),
                added = static_cast<std::size_t>(fracture.sums[plane.added].count);
     if (added == 0) {
-      if (plane.impact) {
-        afterMiss(*plane.impact, fracture.sums[piece.label].mean(), piece.nextImpact,
-                  piece.pattern);
-      } else {
-        piece.missed = plane.normal != glm::ivec3(0);
-      }
-      std::swap(*std::find(fracture.ids.begin(), fracture.ids.end(), plane.added),
-                fracture.ids[--fracture.taken]);
+      recordMiss(fracture, piece, plane);
       pieces.push_back(piece);
       continue;
     }
     const std::size_t count = piece.last - piece.first;
-    const std::span<const double> shares(&fracture.shares[piece.first], count);
-    const double keptMass = fracture.mass[piece.label], addedMass = fracture.mass[plane.added];
-    std::size_t first = firstOf(shares, keptMass / (keptMass + addedMass));
-    std::vector<std::uint64_t> keptSides, addedSides;
-    if (plane.impact) {
-      first = keptPieces(*plane.impact, count, kept, added);
-    } else if (plane.normal == glm::ivec3(0)) {
-      first = dividedSides(piece, plane.offset, first, keptSides, addedSides);
-    }
-    first = std::min(first, kept);
+    DividedPiece divided = dividedPiece(fracture, piece, plane);
+    std::size_t first = std::min(divided.first, kept);
     if (count - first > added) first = count - added;
+    bool isGiven = piece.isGiven;
+    if (isGiven) fracture.given.advance(piece.label);
+    if (isGiven && first != divided.first) {  // too few voxels for the fragments of a part
+      isGiven = false;
+      dropGiven(fracture, piece.label);
+      dropGiven(fracture, plane.added);
+    }
     const int generation = piece.generation + 1;
     fracture.splits.push_back({piece.label, plane.added, piece.generation, plane.normal,
                                plane.offset, kept + added, plane.isSphere,
                                plane.ignoresWalls ? glm::ivec3(1) : plane.center});
+    fracture.decided.push_back({fracture.splits.back(), first});
     pieces.push_back({piece.label, piece.first, piece.first + first, generation,
-                      mixed(2 * piece.path + 1), false, std::move(keptSides), piece.component,
-                      piece.nextImpact, piece.pattern});
+                      mixed(2 * piece.path + 1), false, std::move(divided.keptSides),
+                      piece.component, isGiven, piece.nextImpact, piece.pattern});
     pieces.push_back({plane.added, piece.first + first, piece.last, generation,
-                      mixed(2 * piece.path + 2), false, std::move(addedSides), piece.component,
-                      piece.nextImpact, piece.pattern});
+                      mixed(2 * piece.path + 2), false, std::move(divided.addedSides),
+                      piece.component, isGiven, piece.nextImpact, piece.pattern});
     if (plane.impact) {
       SplitPiece &keptPiece = pieces[pieces.size() - 2], &addedPiece = pieces.back();
       keptPiece.pattern = plane.impact->kept;
@@ -122,17 +170,38 @@ std::vector<double> massOfComponents(const LeafBlocks& blocks, const VoxelCompon
   return mass;
 }
 
+// Makes the pieces of components as their splits were decided.
+void startGiven(SplitFracture& fracture, const GivenSplits& given) {
+  fracture.given = GivenOrder(given);
+  fracture.shares = given.shares;
+  fracture.roots = given.roots;
+  fracture.taken = fracture.ids.size();
+  std::size_t first = 0;
+  for (const GivenSplits::Root& root : given.roots) {
+    const auto component = static_cast<std::uint32_t>(fracture.pieces.size());
+    const std::uint64_t path = mixed(fracture.pieces.size() + 1);
+    fracture.pieces.push_back(
+        {root.id, first, first + root.fragments, 0, path, false, {}, component, true});
+    first += root.fragments;
+  }
+}
+
 }  // namespace
 
 SplitFracture startedFracture(const SplitRun& run, const LeafBlocks& blocks,
                               const VoxelComponents& components, const openvdb::Coord& lowest) {
   SplitFracture fracture;
   fracture.seed = run.seed;
+  fracture.lowest = lowest;
   fracture.impacts.assign(run.impacts.begin(), run.impacts.end());
   for (SplitImpact& impact : fracture.impacts) {
     impact.center -= glm::dvec3(lowest.x(), lowest.y(), lowest.z());
   }
   fracture.ids = permutedIds(run.shares.size(), run.seed);
+  if (run.given != nullptr) {
+    startGiven(fracture, *run.given);
+    return fracture;
+  }
   const std::vector<std::uint64_t>& voxels = components.voxels();
   std::vector<double> mass(voxels.begin(), voxels.end());
   if (!run.densities.empty()) mass = massOfComponents(blocks, components, run.densities);
@@ -141,8 +210,9 @@ SplitFracture startedFracture(const SplitRun& run, const LeafBlocks& blocks,
     fracture.shares.insert(fracture.shares.end(), shares.begin(), shares.end());
     const std::uint64_t path = mixed(fracture.pieces.size() + 1);
     const auto component = static_cast<std::uint32_t>(fracture.pieces.size());
-    fracture.pieces.push_back(
-        {fracture.nextId(), first, fracture.shares.size(), 0, path, false, {}, component});
+    const std::uint16_t id = fracture.nextId();
+    fracture.roots.push_back({id, shares.size()});
+    fracture.pieces.push_back({id, first, fracture.shares.size(), 0, path, false, {}, component});
   }
   return fracture;
 }

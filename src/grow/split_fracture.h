@@ -27,6 +27,7 @@ struct SplitPiece {
                                        // for each of the first 64
 
   std::uint32_t component = 0;
+  bool isGiven = false;                 // its next split is
   std::size_t nextImpact = 0;           // those before have struck
   std::optional<ImpactPart> pattern{};  // of an impact, that is not divided yet
 
@@ -56,8 +57,13 @@ struct SplitFracture {
   std::vector<double> mass{};          // [labels + 1] voxels times densities
   std::vector<SplitPlane> planes{};    // [labels + 1] of this generation
   std::vector<SplitImpact> impacts{};  // from the lowest voxel of all
+  std::vector<GivenSplits::Root> roots{};
+  std::vector<GivenSplit> decided{};  // so far, from the lowest voxel
+  GivenOrder given{};
+  openvdb::Coord lowest{};  // of all voxels
 
   std::uint16_t nextId() { return ids[taken++]; }
+  void returnId(std::uint16_t id);
 };
 
 /// Makes one piece of each component.

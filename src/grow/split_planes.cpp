@@ -183,6 +183,22 @@ SplitPlane planeThrough(const SplitFracture& fracture, SplitPiece& piece, const 
   return plane;
 }
 
+// The crack of a split that was decided before, from the lowest voxel.
+SplitPlane planeOf(const Split& split, const openvdb::Coord& lowest) {
+  SplitPlane plane;
+  plane.normal = split.normal;
+  plane.offset = split.offset;
+  plane.added = split.added;
+  plane.isSphere = split.isSphere;
+  plane.ignoresWalls = !split.isSphere && split.center != glm::ivec3(0);
+  if (split.isSphere) plane.center = split.center;
+  for (int i = 0; i < 3; ++i) {
+    plane.offset -= 64 * std::int64_t{split.normal[i]} * lowest[i];
+    if (split.isSphere) plane.center[i] -= 64 * lowest[i];
+  }
+  return plane;
+}
+
 }  // namespace
 
 void decidePlanes(const GrowthState& state, const SplitNodes& nodes, std::size_t index,
@@ -193,6 +209,11 @@ void decidePlanes(const GrowthState& state, const SplitNodes& nodes, std::size_t
   for (std::size_t i = 0; i < fracture.pieces.size(); ++i) {
     SplitPiece& piece = fracture.pieces[i];
     if (!piece.isSplit()) continue;
+    if (const GivenSplit* const given =
+            piece.isGiven ? fracture.given.next(piece.label) : nullptr) {
+      fracture.planes[piece.label] = planeOf(given->split, fracture.lowest);
+      continue;
+    }
     SplitPlane plane = planeThrough(fracture, piece, nodes, own[i], low, run, options);
     plane.added = fracture.nextId();
     fracture.planes[piece.label] = plane;

@@ -6,6 +6,7 @@
 
 #include "cl/device_impl.h"
 #include "grow/small_components.h"
+#include "pipeline/deciding.h"
 #include "pipeline/fracture_stages.h"
 #include "voxelize/wall_middles.h"
 
@@ -64,7 +65,11 @@ PreparedSolid prepared(Solid solid, Device& device) {
   VoxelComponents components = findComponents(*solid.blocks, device);
   Solid clean = dropSmallComponents(std::move(solid), components, device);
   auto walls = std::make_shared<SolidWalls>(clean);
-  return {std::move(clean), std::move(components), {}, std::move(walls)};
+  return {std::move(clean),
+          std::move(components),
+          {},
+          std::move(walls),
+          std::make_shared<DecidingSolids>()};
 }
 
 FractureResult fracture(const PreparedSolid& ready, const FractureOptions& options, Device& device,

@@ -12,6 +12,7 @@
 #include "grow/guide_sides.h"
 #include "grow/raise_small.h"
 #include "grow/sequential.h"
+#include "pipeline/deciding.h"
 #include "pipeline/guide_surfaces.h"
 #include "seed/distinct_middles.h"
 #include "seed/fragment_ids.h"
@@ -226,7 +227,7 @@ SeededLabels grownFor(const FractureOptions& options, const Solid& solid,
     const SequentialFracture fracture = sequentialOf(options, solid, components, seed);
     return std::move(growSequential(solid, walls, components, std::span(&fracture, 1), device, grow,
                                     sharesOf(options), sidesOf(options.guides, solid, progress),
-                                    progress)
+                                    nullptr, progress)
                          .front());
   }
   const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds));
@@ -326,15 +327,30 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
                                   std::span<const FractureOptions> options,
                                   const GrowOptions& together, SolidWalls& walls, Device& device,
                                   const Progress* progress) {
+  const auto solids = ready.deciding ? ready.deciding : std::make_shared<DecidingSolids>();
+  const OtherSolid* const other = solids->of(ready.solid, ready.components, device, progress);
   std::vector<SequentialFracture> fractures;
   for (const FractureOptions& own : options) {
-    fractures.push_back(sequentialOf(own, ready.solid, ready.components, own.seed));
+    const bool isElsewhere =
+        other && other->resolves(countFragments(other->components, own.pieces));
+    fractures.push_back(isElsewhere ? sequentialOf(own, other->solid, other->components, own.seed)
+                                    : sequentialOf(own, ready.solid, ready.components, own.seed));
+    fractures.back().isDecidedElsewhere = isElsewhere;
+    all[fractures.size() - 1].result.seedsOn = fractures.back().on;
   }
   const std::vector<Guide>& guides = options.front().guides;
   const GuideSides sides = sidesOf(guides, ready.solid, progress);
+  GuideSides otherSides;
+  if (other) otherSides = sidesOf(guides, other->solid, progress);
+  std::optional<DecidingSolid> deciding;
+  if (other) {
+    deciding.emplace(DecidingSolid{other->solid, *other->walls, other->components, otherSides,
+                                   other->component});
+  }
   std::vector<Labels> labels;
   for (SeededLabels& grown : growSequential(ready.solid, walls, ready.components, fractures, device,
-                                            together, sharesOf(options.front()), sides, progress)) {
+                                            together, sharesOf(options.front()), sides,
+                                            deciding ? &*deciding : nullptr, progress)) {
     FractureResult& result = all[labels.size()].result;
     result.guideWarnings =
         guideWarnings(guides, grown.guide, grown.guided, grown.labels.splits.size());

@@ -22,7 +22,7 @@ namespace {
 
 // Rates: docs/history/memory.md.
 constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
-constexpr double kPerTriangle = 240.0;      // of the input: vertices, the tree, columns
+constexpr double kPerTriangle = 264.0;      // of the input: vertices twice, the tree, columns
 constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the preview of fragments
 constexpr double kOfSomeMeshes = 0.6;       // factor on it where only some meshes are held
 constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
@@ -169,6 +169,14 @@ double bytesForExact(std::size_t triangles, double cuts, const FractureOptions& 
          (options.grow.roughness.isZero() ? kExactCut : kExactRoughCut) * cuts;
 }
 
+// Returns what the solid takes on which cracks are decided.  It is gone when surfaces are cut.
+double bytesForDeciding(std::size_t triangles, const FractureOptions& options) {
+  const bool hasEnergy = std::any_of(options.seeds.impacts.begin(), options.seeds.impacts.end(),
+                                     [](const Impact& impact) { return impact.energy > 0.0; });
+  const bool decides = ruleOf(options.grow.growth).splits || hasEnergy;
+  return decides ? kPerTriangle * static_cast<double>(triangles) : 0.0;
+}
+
 double voxelsOfLeaves(double surface, double inside) {
   return inside + 16.0 * surface;  // of which half are of the border
 }
@@ -203,7 +211,8 @@ double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptio
   const double cuts =
       6.0 * (std::cbrt(static_cast<double>(options.pieces)) - 1.0) * std::cbrt(inside * inside);
   return kPerTriangle * static_cast<double>(triangles) +
-         kPerPiece * static_cast<double>(options.pieces) + bytesForExact(triangles, cuts, options) +
+         kPerPiece * static_cast<double>(options.pieces) +
+         std::max(bytesForExact(triangles, cuts, options), bytesForDeciding(triangles, options)) +
          bytesForGuides(extent, triangles, surface, inside) +
          bytesForWalls(options, surface, inside) +
          bytesForVoxels(meshFactor(options.surface, held, extent.longest / voxelSize,

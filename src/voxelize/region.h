@@ -12,6 +12,8 @@
 
 namespace sherd {
 
+class CanonicalSolid;
+
 /// The inside of a mesh.  Points are in the index space of the solid.  Thread-safe.
 class SolidRegion {
  public:
@@ -36,6 +38,12 @@ class SolidRegion {
   [[nodiscard]] const glm::dvec3& sides() const { return sides_; }
 
   [[nodiscard]] bool contains(const glm::dvec3& point) const { return contains_(point); }
+
+  /// Returns the solid of the whole mesh on which cracks are decided, or null.
+  [[nodiscard]] const std::shared_ptr<CanonicalSolid>& canonical() const { return canonical_; }
+  void setCanonical(std::shared_ptr<CanonicalSolid> canonical) {
+    canonical_ = std::move(canonical);
+  }
 
   [[nodiscard]] bool isAsVoxels() const { return isAsVoxels_; }
 
@@ -64,6 +72,7 @@ class SolidRegion {
   double halfThickness_;
   bool isAsVoxels_;
   std::uint32_t firstClosing_;
+  std::shared_ptr<CanonicalSolid> canonical_{};
 };
 
 /// Returns the region of a solid without a mesh, such as one that is read back, whose surface is

@@ -18,6 +18,7 @@
 #include "mesh/seams.h"
 #include "voxelize/body_layers.h"
 #include "voxelize/bridges.h"
+#include "voxelize/canonical_solid.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
 #include "voxelize/kept_bodies.h"
@@ -276,13 +277,31 @@ Solid voxelizeApart(const TriangleMesh& source, const SolidOptions& options, dou
 
 }  // namespace
 
-Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, double workShare,
-                     const Progress* progress) {
+namespace {
+
+Solid voxelizeWithout(const TriangleMesh& source, const SolidOptions& options, double workShare,
+                      const Progress* progress) {
   reportProgress(progress, "voxelize", 0.0);
   if (options.bodies == MeetingBodies::unite) {
     return voxelizeApart(source, options, workShare, progress);
   }
   return voxelizeApart(withBodiesApart(source, options.objects), options, workShare, progress);
+}
+
+}  // namespace
+
+Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, double workShare,
+                     const Progress* progress) {
+  Solid solid = voxelizeWithout(source, options, workShare, progress);
+  SolidRegion region = *solid.region;
+  region.setCanonical(std::make_shared<CanonicalSolid>(source, options));
+  solid.region = std::make_shared<const SolidRegion>(std::move(region));
+  return solid;
+}
+
+Solid voxelizeAlone(const TriangleMesh& source, const SolidOptions& options,
+                    const Progress* progress) {
+  return voxelizeWithout(source, options, 1.0, progress);
 }
 
 }  // namespace sherd

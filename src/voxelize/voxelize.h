@@ -10,4 +10,8 @@ namespace sherd {
 [[nodiscard]] Solid voxelizeWithin(const TriangleMesh& mesh, const SolidOptions& options,
                                    double workShare, const Progress* progress = nullptr);
 
+/// As voxelize(), without the solid on which cracks are decided: it has no region beyond its own.
+[[nodiscard]] Solid voxelizeAlone(const TriangleMesh& mesh, const SolidOptions& options,
+                                  const Progress* progress);
+
 }  // namespace sherd

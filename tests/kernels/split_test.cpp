@@ -3,6 +3,8 @@
 #include <sherd/labels.h>
 
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <map>
 #include <queue>
 #include <random>
@@ -268,6 +270,117 @@ TEST_F(Splits, FracturesGrownTogetherEqualSeparateOnes) {
                                .labels;
       EXPECT_EQ(together[i].labels.fragment, alone.fragment);
     }
+  }
+}
+
+// Returns the splits of a run on a solid.
+GivenSplits decidedOn(const LeafBlocks& blocks, const SplitRun& run, Device& device) {
+  return decideSplits(blocks, findComponents(blocks, device), std::span(&run, 1), device,
+                      {.growth = Growth::sequential})
+      .front();
+}
+
+// Returns the labels of splits that were decided before.
+Labels labelsOf(const std::shared_ptr<const LeafBlocks>& blocks, const GivenSplits& given,
+                Device& device) {
+  SplitRun run{given.shares, 7};
+  run.given = &given;
+  return growBySplits(blocks, findComponents(*blocks, device), std::span(&run, 1), device,
+                      {.growth = Growth::sequential})
+      .front()
+      .labels;
+}
+
+std::vector<std::uint32_t> sameComponents(std::size_t count) {
+  std::vector<std::uint32_t> same(count);
+  for (std::size_t i = 0; i < count; ++i) same[i] = static_cast<std::uint32_t>(i);
+  return same;
+}
+
+TEST_F(Splits, ThatWereDecidedGiveTheSameLabels) {
+  for (const VoxelSolid& solid : voxel_shapes::all()) {
+    const auto blocks = voxel_shapes::blocksOf(solid);
+    const std::size_t components = findComponents(*blocks, device()).count();
+    const std::size_t pieces = std::min(components + 9, solid.inside.size());
+    if (pieces > kMaxFragments) continue;
+    SplitRun run{sharesOfSplits({}, pieces, 7), 7};
+    const std::vector<SplitImpact> impacts{impactAt({-2.3, 0.2, 1.1}, 3.0, 6)};
+    if (components == 1) run.impacts = impacts;
+    const Labels direct = growBySplits(blocks, findComponents(*blocks, device()),
+                                       std::span(&run, 1), device(), {.growth = Growth::sequential})
+                              .front()
+                              .labels;
+    const GivenSplits given =
+        givenFor(decidedOn(*blocks, run, device()), {1.0}, sameComponents(components));
+    EXPECT_EQ(labelsOf(blocks, given, device()).fragment, direct.fragment) << solid.name;
+    std::uint64_t least = solid.inside.size();
+    const std::vector<std::uint64_t> voxels = countVoxels(direct);
+    for (std::size_t id = 1; id < voxels.size(); ++id) least = std::min(least, voxels[id]);
+    EXPECT_EQ(given.leastVoxels, least) << solid.name;
+  }
+}
+
+// A ball about the same point of space, whose voxels are `ratio` times as wide as those of a ball
+// of radius 9.
+VoxelSolid ballOf(double ratio) {
+  const double center = 0.5 * (1.0 / ratio - 1.0);
+  return voxel_shapes::solidWhere("ball", static_cast<int>(9.0 / ratio) + 3, [&](const Coord& v) {
+    const double x = v.x() - center, y = v.y() - center, z = v.z() - center;
+    return ratio * ratio * (x * x + y * y + z * z) < 81.0;
+  });
+}
+
+TEST_F(Splits, ThatWereDecidedOnOtherVoxelsAreTheSamePlanes) {
+  const auto decidedOnBlocks = voxel_shapes::blocksOf(ballOf(1.0));
+  SplitRun run{sharesOfSplits({}, 12, 7), 7};
+  const std::vector<SplitImpact> impacts{impactAt({-8.0, 0.2, 1.1}, 4.0, 5)};
+  run.impacts = impacts;
+  const GivenSplits decided = decidedOn(*decidedOnBlocks, run, device());
+  for (const double ratio : {0.4, 0.75, 1.5}) {
+    const VoxelSolid solid = ballOf(ratio);
+    const auto blocks = voxel_shapes::blocksOf(solid);
+    const Labels labels =
+        labelsOf(blocks, givenFor(decided, {1.0 / ratio}, sameComponents(1)), device());
+    const LabelMap expected = labelsBy(labels.splits, solid, labels);
+    EXPECT_TRUE(reference::mapOf(labels) == expected) << ratio;
+    EXPECT_EQ(reference::countConnectedComponents(expected), 12u) << ratio;
+    ASSERT_EQ(labels.splits.size(), decided.splits.size());
+    for (const GivenSplit& each : decided.splits) {
+      const Split& from = each.split;
+      const auto to = std::find_if(labels.splits.begin(), labels.splits.end(),
+                                   [&](const Split& split) { return split.added == from.added; });
+      ASSERT_NE(to, labels.splits.end());
+      EXPECT_EQ(to->fragment, from.fragment);
+      EXPECT_EQ(to->normal, from.normal);
+      EXPECT_EQ(to->isSphere, from.isSphere);
+      // Of the ball's center, 1/64 of its own voxels, rounded to steps of 1/64 of both.
+      const auto beyond = [](const Split& split, double center) {
+        const glm::dvec3 p(64.0 * center);
+        const auto offset = static_cast<double>(split.offset);
+        if (split.isSphere) return glm::length(p - glm::dvec3(split.center)) - std::sqrt(offset);
+        const glm::dvec3 normal(split.normal);
+        return (glm::dot(normal, p) - offset) / glm::length(normal);
+      };
+      EXPECT_NEAR(beyond(*to, 0.5 * (1.0 / ratio - 1.0)) * ratio, beyond(from, 0.0), 2.0 + ratio)
+          << ratio;
+    }
+  }
+}
+
+// Voxels so few that most planes miss: splits are decided anew, and there are as many pieces.
+TEST_F(Splits, ThatVoxelsDoNotResolveAreDecidedAnew) {
+  const auto fine = voxel_shapes::blocksOf(voxel_shapes::ball(7));
+  const VoxelSolid few = voxel_shapes::ball(2);
+  const auto blocks = voxel_shapes::blocksOf(few);
+  for (const std::size_t pieces : {std::size_t{5}, few.inside.size() - 1, few.inside.size()}) {
+    const SplitRun run{sharesOfSplits({}, pieces, 7), 7};
+    const GivenSplits given = givenFor(decidedOn(*fine, run, device()), {0.3}, sameComponents(1));
+    const Labels labels = labelsOf(blocks, given, device());
+    const LabelMap expected = labelsBy(labels.splits, few, labels);
+    EXPECT_TRUE(reference::mapOf(labels) == expected) << pieces;
+    EXPECT_EQ(reference::countConnectedComponents(expected), pieces);
+    const std::vector<std::uint64_t> voxels = countVoxels(labels);
+    EXPECT_EQ(std::count(voxels.begin() + 1, voxels.end(), 0u), 0) << pieces;
   }
 }
 

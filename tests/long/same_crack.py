@@ -146,7 +146,7 @@ def main():
     parser.add_argument("--resolutions", default="96,256")
     parser.add_argument("--only", default="", help="names of meshes")
     parser.add_argument("cases", nargs="*")
-    args = parser.parse_args()
+    args = parser.parse_intermixed_args()
     resolutions = [int(r) for r in args.resolutions.split(",")]
     all_cases = {**CASES, **MORE_CASES}
     cases = {name: all_cases[name] for name in args.cases or CASES}

@@ -1,0 +1,162 @@
+// Cracks are functions of space: solids of one mesh at several resolutions break alike.
+#include <gtest/gtest.h>
+#include <sherd/fracture.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kernels/device_fixture.h"
+#include "pipeline/fracture_stages.h"
+#include "shapes.h"
+#include "voxelize/canonical_solid.h"
+
+namespace sherd {
+namespace {
+
+using CracksInSpace = DeviceTest;
+
+PreparedSolid solidOf(const TriangleMesh& mesh, int resolution, Device& device) {
+  return prepared(voxelize(mesh, {.resolution = resolution}), device);
+}
+
+// The splits of a fracture by the ids that they add, each with its signed distance, in the mesh's
+// unit, from the middle of the box.
+struct Crack {
+  Split split;
+  double distance = 0.0;
+};
+
+std::map<std::uint16_t, Crack> cracksOf(const PreparedSolid& on, const FractureOptions& options,
+                                        Device& device) {
+  const GrownFracture grown = grow(on, options, device, {}, nullptr);
+  const double size = on.solid.frame.voxelSize;
+  const glm::dvec3 middle = 64.0 * on.solid.frame.indexFromWorld(glm::dvec3(0.0));
+  std::map<std::uint16_t, Crack> cracks;
+  for (const Split& split : grown.result.labels.splits) {
+    const auto offset = static_cast<double>(split.offset);
+    const glm::dvec3 normal(split.normal);
+    const double steps = split.isSphere
+                             ? glm::length(middle - glm::dvec3(split.center)) - std::sqrt(offset)
+                             : (glm::dot(normal, middle) - offset) / glm::length(normal);
+    cracks[split.added] = {split, steps / 64.0 * size};
+  }
+  return cracks;
+}
+
+// Expects the same tree of the same planes and spheres, whose positions are rounded to 1/64 voxel.
+void expectSameCracks(const TriangleMesh& mesh, const FractureOptions& options, Device& device,
+                      const std::string& name) {
+  const PreparedSolid coarse = solidOf(mesh, 60, device), fine = solidOf(mesh, 131, device);
+  const auto a = cracksOf(coarse, options, device), b = cracksOf(fine, options, device);
+  ASSERT_EQ(a.size(), b.size()) << name;
+  const double rounding = 4.0 / 64.0 * coarse.solid.frame.voxelSize;
+  for (const auto& [added, crack] : a) {
+    const auto other = b.find(added);
+    ASSERT_NE(other, b.end()) << name;
+    EXPECT_EQ(crack.split.fragment, other->second.split.fragment) << name;
+    EXPECT_EQ(crack.split.normal, other->second.split.normal) << name;
+    EXPECT_EQ(crack.split.isSphere, other->second.split.isSphere) << name;
+    EXPECT_NEAR(crack.distance, other->second.distance, rounding) << name;
+  }
+}
+
+FractureOptions splitOptions(int pieces) {
+  FractureOptions options{.pieces = pieces, .seed = 5};
+  options.grow.growth = Growth::sequential;
+  return options;
+}
+
+TEST_F(CracksInSpace, SplitsAreTheSameAtAnyResolution) {
+  expectSameCracks(shapes::ball(1.0, 4), splitOptions(9), device(), "ball");
+  expectSameCracks(shapes::torus(1.0, 0.4), splitOptions(9), device(), "torus");
+  expectSameCracks(shapes::cup(1.0, 0.15, 1.6, 0.15), splitOptions(9), device(), "cup");
+  const TriangleMesh two =
+      shapes::append(shapes::ball(0.5, 4), shapes::ball(0.8, 4, {1.9, 0.2, 0.0}));
+  expectSameCracks(two, splitOptions(9), device(), "two balls");
+}
+
+TEST_F(CracksInSpace, SizesThatAreDrawnAreTheSame) {
+  FractureOptions options = splitOptions(9);
+  options.shares.sizes = Sizes::lognormal;
+  options.shares.sizeParameter = 0.8;
+  expectSameCracks(shapes::torus(1.0, 0.4), options, device(), "lognormal");
+  options.shares = {.minShare = 0.03};
+  expectSameCracks(shapes::torus(1.0, 0.4), options, device(), "least share");
+}
+
+TEST_F(CracksInSpace, ImpactsAreTheSame) {
+  FractureOptions options = splitOptions(20);
+  options.seeds.impacts = {{.target = glm::dvec3{0.1, 0.2, 0.03}, .energy = 1.0}};
+  expectSameCracks(shapes::box({2.0, 1.7, 0.06}), options, device(), "plate");
+  options.seeds.impacts = {{.target = glm::dvec3{0.0, 0.0, 1.0}, .count = 8}};
+  expectSameCracks(shapes::ball(1.0, 4), options, device(), "ball");
+}
+
+TEST_F(CracksInSpace, GuidesAreTheSame) {
+  FractureOptions options = splitOptions(6);
+  options.guides = {{.mesh = shapes::transformed(shapes::cube(1.0), 1.0, {0.7, 0.7, 0.7})}};
+  const PreparedSolid coarse = solidOf(shapes::ball(1.0, 4), 60, device()),
+                      fine = solidOf(shapes::ball(1.0, 4), 131, device());
+  const auto sizes = [&](const PreparedSolid& on) {
+    const GrownFracture grown = grow(on, options, device(), {}, nullptr);
+    EXPECT_TRUE(grown.result.guideWarnings.empty());
+    std::vector<double> shares;
+    const std::vector<std::uint64_t> voxels = countVoxels(grown.result.labels);
+    for (std::size_t id = 1; id < voxels.size(); ++id) {
+      shares.push_back(static_cast<double>(voxels[id]) / static_cast<double>(on.solid.voxels));
+    }
+    return shares;
+  };
+  const std::vector<double> a = sizes(coarse), b = sizes(fine);
+  ASSERT_EQ(a.size(), 6u);
+  ASSERT_EQ(b.size(), 6u);
+  // A crack and the ball's surface lie half a voxel off, and a piece has some 5 of area.
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_NEAR(a[i], b[i], 5.0 * 0.5 * coarse.solid.frame.voxelSize / shapes::ballVolume(1.0));
+  }
+}
+
+TEST_F(CracksInSpace, FracturesGrownTogetherEqualSeparateOnes) {
+  const TriangleMesh mesh = shapes::torus(1.0, 0.4);
+  const PreparedSolid on = solidOf(mesh, 60, device());
+  std::vector<FractureOptions> options;
+  for (const int pieces : {5, 4000, 12}) options.push_back(splitOptions(pieces));
+  const std::vector<GrownFracture> together = growTogether(on, options, device(), {}, nullptr);
+  for (std::size_t i = 0; i < options.size(); ++i) {
+    const GrownFracture alone =
+        grow(solidOf(mesh, 60, device()), options[i], device(), {}, nullptr);
+    EXPECT_EQ(together[i].result.labels.fragment, alone.result.labels.fragment);
+    EXPECT_EQ(alone.result.labels.fragmentCount, options[i].pieces);
+  }
+}
+
+TEST(CanonicalSolids, AreTheSameOfAllResolutions) {
+  const TriangleMesh mesh = shapes::cup(1.0, 0.15, 1.6, 0.15);
+  const auto coarse = canonicalOf(voxelize(mesh, {.resolution = 40}), nullptr),
+             fine = canonicalOf(voxelize(mesh, {.voxelSize = 0.0117}), nullptr);
+  ASSERT_TRUE(coarse && fine);
+  EXPECT_EQ(coarse->frame.voxelSize, 2.0 / CanonicalSolid::kResolution);
+  EXPECT_EQ(coarse->blocks->origins, fine->blocks->origins);
+  EXPECT_EQ(coarse->blocks->inside, fine->blocks->inside);
+  const Solid same = voxelize(mesh, {.resolution = CanonicalSolid::kResolution});
+  EXPECT_FALSE(canonicalOf(same, nullptr));
+  EXPECT_EQ(coarse->blocks->inside, same.blocks->inside);
+}
+
+TEST(CanonicalSolids, ResolveThinWalls) {
+  const auto canonical = [](double thickness, int resolution) {
+    const TriangleMesh mesh = shapes::box({2.0, 1.7, thickness});
+    return canonicalOf(voxelize(mesh, {.resolution = resolution}), nullptr);
+  };
+  const auto thin = canonical(0.017, 250), thinnest = canonical(0.013, 250);
+  ASSERT_TRUE(thin && thinnest);
+  EXPECT_LE(kWholeWallVoxels * thin->frame.voxelSize, 0.017);
+  EXPECT_EQ(thinnest->frame.voxelSize, 2.0 / CanonicalSolid::kMostResolution);
+}
+
+}  // namespace
+}  // namespace sherd
