@@ -17,6 +17,7 @@
 #include "seed/impact_rings.h"
 #include "seed/irwin_hall.h"
 #include "seed/ray.h"
+#include "voxelize/canonical_solid.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -101,14 +102,32 @@ void checkRanges(const Impact& impact, std::size_t number) {
   }
 }
 
+// Returns the points of rings.  Where the wall ends or bends is decided on the canonical solid, so
+// that there are as many at every resolution.
+//   side  longest of the mesh's box, voxels
+std::vector<glm::dvec3> pointsOfRings(const Impact& impact, const glm::dvec3& center,
+                                      std::uint64_t impactSeed, const Solid& solid, double side,
+                                      const Progress* progress) {
+  const std::shared_ptr<const Solid> canonical = canonicalOf(solid, progress);
+  const Solid& on = canonical ? *canonical : solid;
+  const VoxelScale to = VoxelScale::between(solid, on), from = VoxelScale::between(on, solid);
+  const RingPattern pattern =
+      ringPatternFor(impact.energy, side * to.ratio, impact.sigma / on.frame.voxelSize);
+  std::vector<glm::dvec3> points =
+      ringPoints(pattern, Walls(on), canonical ? to.position(center) : center, impactSeed);
+  if (!canonical) return points;
+  for (glm::dvec3& point : points) point = from.position(point);
+  return points;
+}
+
 // Sets the rings of an impact with an energy, and how the seeds that they do not give scatter.
 //   available  seeds where the impact has no count
 void setRings(AimedImpact& aimedImpact, const Impact& impact, std::uint64_t impactSeed,
-              const Solid& solid, double side, std::size_t available) {
+              const Solid& solid, double side, std::size_t available, const Progress* progress) {
   const RingPattern pattern =
       ringPatternFor(impact.energy, side, impact.sigma / solid.frame.voxelSize);
-  const Walls walls(solid);
-  const std::vector<glm::dvec3> points = ringPoints(pattern, walls, aimedImpact.center, impactSeed);
+  const std::vector<glm::dvec3> points =
+      pointsOfRings(impact, aimedImpact.center, impactSeed, solid, side, progress);
   if (impact.count == 0) {
     aimedImpact.count = std::min(points.empty() ? pattern.seeds() : points.size(), available);
   }
@@ -146,7 +165,8 @@ void addRings(const AimedImpact& aimedImpact, const Candidates& candidates, std:
 
 std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& components,
                              const SeedOptions& options, std::size_t pieces,
-                             const VoxelIndex& inside, const VoxelIndex& surface) {
+                             const VoxelIndex& inside, const VoxelIndex& surface,
+                             const Progress* progress) {
   std::vector<Impact> impacts = options.impacts;
   impacts.resize(impacts.size() + static_cast<std::size_t>(options.randomImpacts));
   const std::size_t share = std::max<std::size_t>(
@@ -165,7 +185,7 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
       const std::size_t all = (pieces - components.count()) / impacts.size();
       const glm::dvec3& sides = onSurface.sides();
       setRings(aimedImpact, impact, randomBits(options.seed, Stage::impactSeed, i), solid,
-               std::max({sides.x, sides.y, sides.z}), std::max<std::size_t>(all, 1));
+               std::max({sides.x, sides.y, sides.z}), std::max<std::size_t>(all, 1), progress);
     } else if (impact.sigma > 0.0) {
       // The mean of 12 uniforms has a standard deviation of 1/12.
       aimedImpact.terms = kNormalTerms;

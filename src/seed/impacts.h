@@ -27,10 +27,11 @@ struct AimedImpact {
 
 /// Resolves the impacts: those of the options first, then the random ones.
 ///   pieces  number of fragments
-///   throws  Error(usage) a value out of range, a ray that misses
+///   throws  Error(usage) a value out of range, a ray that misses; Error(cancelled)
 [[nodiscard]] std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& components,
                                            const SeedOptions& options, std::size_t pieces,
-                                           const VoxelIndex& inside, const VoxelIndex& surface);
+                                           const VoxelIndex& inside, const VoxelIndex& surface,
+                                           const Progress* progress = nullptr);
 
 /// Refuses points that are farther from the surface than kMostImpactDistance: they are not meant
 /// for where they would strike.

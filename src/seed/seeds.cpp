@@ -133,7 +133,7 @@ std::vector<Seed> placeSeeds(const Solid& solid, const VoxelComponents& componen
                      static_cast<std::size_t>(options.extraSeedsPerPiece) * pieces;
   checkRoom(pieces, extra, voxels, options);
   std::vector<AimedImpact> aimedImpacts =
-      impacts ? aim(solid, components, options, pieces, inside, onSurface)
+      impacts ? aim(solid, components, options, pieces, inside, onSurface, progress)
               : std::vector<AimedImpact>{};
   fitImpacts(aimedImpacts, components, options);
   const std::size_t merged = std::accumulate(

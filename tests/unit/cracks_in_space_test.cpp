@@ -11,6 +11,8 @@
 
 #include "kernels/device_fixture.h"
 #include "pipeline/fracture_stages.h"
+#include "seed/impacts.h"
+#include "seed/voxel_index.h"
 #include "shapes.h"
 #include "voxelize/canonical_solid.h"
 
@@ -117,6 +119,36 @@ TEST_F(CracksInSpace, GuidesAreTheSame) {
   // A crack and the ball's surface lie half a voxel off, and a piece has some 5 of area.
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_NEAR(a[i], b[i], 5.0 * 0.5 * coarse.solid.frame.voxelSize / shapes::ballVolume(1.0));
+  }
+}
+
+// Returns the points of an impact's rings, world units.
+std::vector<glm::dvec3> ringsOf(const PreparedSolid& on, const SeedOptions& options) {
+  const std::vector<std::uint64_t> mask = surfaceMask(*on.solid.blocks);
+  const VoxelIndex inside(*on.solid.blocks, on.solid.blocks->inside),
+      surface(*on.solid.blocks, mask);
+  const auto aimed = aim(on.solid, on.components, options, 40, inside, surface);
+  std::vector<glm::dvec3> points;
+  for (const glm::dvec3& point : aimed.front().rings) {
+    points.push_back(on.solid.frame.worldFromIndex(point));
+  }
+  EXPECT_EQ(aimed.front().count, points.size());
+  return points;
+}
+
+// Rings end where the wall does, so their number is the mesh's.
+TEST_F(CracksInSpace, RingsHaveTheSamePoints) {
+  const TriangleMesh plate = shapes::box({2.0, 1.7, 0.06}), cup = shapes::cup(1.0, 0.1, 1.6, 0.1);
+  const double height = 0.3 * bounds(cup).min.z + 0.7 * bounds(cup).max.z;
+  const std::vector<std::pair<const TriangleMesh*, glm::dvec3>> all{
+      {&plate, {0.1, 0.2, 0.03}}, {&plate, {0.8, 0.2, 0.03}}, {&cup, {0.6, 0.8, height}}};
+  for (const auto& [mesh, target] : all) {
+    const SeedOptions options{.pieces = 40, .impacts = {{.target = target, .energy = 1.0}}};
+    const auto a = ringsOf(solidOf(*mesh, 60, device()), options),
+               b = ringsOf(solidOf(*mesh, 131, device()), options);
+    EXPECT_FALSE(a.empty());
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_LT(glm::length(a[i] - b[i]), 1e-6) << i;
   }
 }
 
