@@ -27,6 +27,8 @@ def values_of(row):
     if row["type"] == "length":
         voxels = ", ".join(row["choices"]) if "choices" in row else row["range"].split("|")[0].replace("..", " to ")
         return f"{voxels}{unit}, or `P%`"
+    if row["type"] == "number" and "choices" in row:
+        return ", ".join(f"`{c}`" for c in row["choices"]) + f", or {row['range']}{unit}"
     if "choices" in row:
         quote = "{}" if row["type"] == "whole" else "`{}`"
         return ", ".join(quote.format(c) for c in row["choices"]) + (", separated by commas" if row["type"] == "choices" else "")
@@ -104,6 +106,8 @@ def schema_of(row):
         return {"type": "array", "items": number_schema(row, "integer")}
     if row["type"] in ("whole", "number"):
         schema = number_schema(row, "integer" if row["type"] == "whole" else "number")
+        if row["type"] == "number" and "choices" in row:
+            schema = {"oneOf": [{"enum": row["choices"]}, schema]}
         if row.get("range", "").startswith("auto|"):
             schema = {"oneOf": [{"const": "auto"}, schema]}
         return schema

@@ -108,6 +108,10 @@ class Fracture(Sequence[Fragment]):
     @property
     def offset(self) -> NDArray[np.float64]: ...
     @property
+    def unit(self) -> float: ...
+    @property
+    def up(self) -> str: ...
+    @property
     def labels(self) -> NDArray[np.uint16]: ...
     @property
     def sparse_labels(self) -> SparseLabels: ...
@@ -135,7 +139,7 @@ class Fracture(Sequence[Fragment]):
         explode: float = 0.25,
         azimuth: float = 35.0,
         elevation: float = 20.0,
-        up: str = "y",
+        up: str = "auto",
         size: tuple[int, int] = (1280, 720),
         progress: _Progress | None = None,
     ) -> NDArray[np.uint8]: ...
@@ -156,6 +160,10 @@ class Solid:
     def origin(self) -> NDArray[np.float64]: ...
     @property
     def offset(self) -> NDArray[np.float64]: ...
+    @property
+    def unit(self) -> float: ...
+    @property
+    def up(self) -> str: ...
     @property
     def options(self) -> Options: ...
     def fractures(
@@ -198,6 +206,8 @@ def type_of(row):
         return f"str | Sequence[{choices}]"
     if row.range.startswith("auto|"):
         return f'{TYPES[row.type]} | Literal["auto"]'
+    if row.type == "number" and row.choices:
+        return f"{TYPES[row.type]} | {choices}"
     if row.type == "text":
         return "float | str | os.PathLike[str] | Sequence[Any]"
     return TYPES[row.type]

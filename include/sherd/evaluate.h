@@ -186,6 +186,7 @@ struct FragmentSet {
   std::vector<int> splitParents{};
   /// From the manifest: what positions of the fragments lack to be those of the source.
   std::optional<glm::dvec3> offset{};
+  CoordinateSystem coordinates{};  ///< from the manifest, else of the first mesh
 };
 
 struct EvaluateOptions {

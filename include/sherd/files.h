@@ -288,7 +288,7 @@ void writeRle(const OutputFile& file, const RunLengthVoxels& voxels);
 struct GridMetadata {
   std::string source;  ///< the input's file name
   std::uint64_t seed = 0;
-  double density = 1.0;        ///< mass per unit of volume
+  double density = 1.0;        ///< kilograms per cubic unit of the coordinates
   std::vector<int> parents{};  ///< [fragments] as FractureResult::parents, or empty
 };
 

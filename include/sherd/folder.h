@@ -147,6 +147,13 @@ struct StagedFracture {
 /// Returns the same as a JSON object, `source.report` in a manifest.
 [[nodiscard]] std::string meshReportJson(const SourceMesh& source, const FractureResult& result);
 
+/// Returns the height of a box in words: "495 mm high".
+[[nodiscard]] std::string heightText(const CoordinateSystem& coordinates, const Box& box);
+
+/// Returns `unit` and `up` of a mesh's coordinates, with where they are from, as a JSON object:
+/// those of `source` in a manifest.
+[[nodiscard]] std::string coordinatesJson(const CoordinateSystem& coordinates);
+
 /// Returns what may be lost of a mesh: volume, or walls thinner than a voxel.  One sentence each.
 [[nodiscard]] std::vector<std::string> meshWarnings(const SourceMesh& source,
                                                     const FractureResult& result);
@@ -178,7 +185,8 @@ struct ManifestFragment {
 
 /// The fields of a manifest that are read.  Every file named by a field is in `files`.
 struct Manifest {
-  std::string source;  ///< the mesh's file name
+  std::string source;            ///< the mesh's file name
+  CoordinateSystem coordinates;  ///< of all positions; meters and y up where it records neither
   std::uint64_t seed = 0;
   int resolution = 0;      ///< above 0
   bool automatic = false;  ///< the resolution was chosen automatically
@@ -250,6 +258,13 @@ void readFragmentMeshes(const std::filesystem::path& path, FinishedFracture& fin
                                         const ReadOptions& options = {},
                                         const Progress* progress = nullptr);
 
+/// What readPieces returns.
+struct Pieces {
+  std::vector<Fragment> fragments;
+  CoordinateSystem coordinates;  ///< from the manifest of the folder or listing the file, else of
+                                 ///< the first mesh
+};
+
 /// Reads fragments from a fracture's folder or manifest, or from a folder of meshes as
 /// readFragments does; else the mesh of a file, or the level sets of a `.vdb` file.  Fragments of a
 /// fracture without mesh files are meshed from their level sets.
@@ -257,15 +272,20 @@ void readFragmentMeshes(const std::filesystem::path& path, FinishedFracture& fin
 ///   throws  Error(input) nothing can be rendered, a file is damaged, or the meshes take more
 ///   memory
 ///           than `options` allow
-[[nodiscard]] std::vector<Fragment> readPieces(const std::filesystem::path& path,
-                                               const ReadOptions& options = {});
+[[nodiscard]] Pieces readPieces(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// Returns what the coordinates of a file mean where neither it nor the user says so: of one that a
+/// fracture's manifest lists what the manifest says.
+///   read  from the file, or assumed
+[[nodiscard]] CoordinateSystem coordinatesOfFile(const std::filesystem::path& file,
+                                                 const CoordinateSystem& read);
 
 struct ViewerOptions {
   std::uint64_t maxBytes = std::uint64_t{64}
                            << 20;  ///< of the page's meshes and textures; those that are
                                    ///< larger are simplified or left out, see `warnings`
-  std::string unit;  ///< of the mesh's lengths, shown beside them; empty: m for glTF, else none
-  char up = '\0';    ///< the mesh's axis that points up: 'x', 'y', 'z'; 0: the fracture's, else y
+  std::string unit;  ///< of the mesh's lengths, shown beside them; empty: the fracture's
+  char up = '\0';    ///< the mesh's axis that points up: 'x', 'y', 'z'; 0: the fracture's
 };
 
 /// A self-contained HTML page that shows a fracture (docs/viewer.md).

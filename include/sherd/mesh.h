@@ -100,6 +100,22 @@ struct PolygonPart {
   glm::uvec3 corner{0};       ///< the triangle's corners, as corners of the face, from 0
 };
 
+/// What decides the length unit, or the upward axis, of a mesh's coordinates.
+enum class CoordinateBasis {
+  format,  ///< assumed, as is usual in files of the format
+  file,    ///< the file, or the definition of its format, says so
+  option,  ///< given by the user
+};
+
+/// What a mesh's coordinates mean in space.  Nothing scales or rotates them by it: meshes keep the
+/// coordinates of their file, and what is derived from these uses it.
+struct CoordinateSystem {
+  double metersPerUnit = 1.0;  ///< above 0
+  char up = 'y';               ///< the axis that points up: 'x', 'y' or 'z'
+  CoordinateBasis unitFrom = CoordinateBasis::format;
+  CoordinateBasis upFrom = CoordinateBasis::format;
+};
+
 /// A mesh as read from a file, with statistics of the reader.
 struct SourceMesh {
   TriangleMesh mesh;   ///< equal vertices merged, unused ones dropped, node transforms applied;
@@ -120,6 +136,7 @@ struct SourceMesh {
   std::optional<double> isovalue{};     ///< used to extract their surface; none for level sets
   std::vector<std::string> warnings{};  ///< one sentence for each thing that was left out or
                                         ///< assumed, such as a missing texture
+  CoordinateSystem coordinates{};       ///< of `mesh`
 };
 
 /// Splits a mesh into its file's objects, in the file's order, each with its name in `objects`;

@@ -61,7 +61,7 @@ struct WriteOptions {
 
   VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/STEM_001.vdb, fragments.vdb, or both
   VdbOptions vdbOptions{};
-  double density = 1.0;   ///< mass per unit of volume, above 0
+  double density = 1.0;   ///< kilograms per cubic meter, above 0
   double proxyGap = 0.0;  ///< `gap` of writeProxy, at least 0
 
   std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, no duplicates
@@ -69,9 +69,8 @@ struct WriteOptions {
 
   std::vector<UsdFormat> usdFormats{UsdFormat::usda};  ///< not empty, no duplicates
   bool usdVolumes = false;     ///< with `vdb`: scene.usda refers to the level sets
-  double jointStrength = 1.0;  ///< force that breaks a joint of a scene or graph.geo, per unit of
-                               ///< its contact's area, above 0
-  double metersPerUnit = 1.0;  ///< of scene.usda, above 0
+  double jointStrength = 1.0;  ///< newtons per square meter of a contact that break its joint in a
+                               ///< scene or graph.geo, above 0
 
   PointOptions points{};     ///< points/STEM_001.ply if count > 0; `seed` must be 0: each
                              ///< fragment's is derived from the fracture's
@@ -93,8 +92,10 @@ struct WriteOptions {
   /// recorded in manifest.json and seeds.json.
   std::optional<glm::dvec3> offset{};
 
-  char up = 'y';  ///< the mesh's axis that points up in images and scene.usda: 'x', 'y' or 'z';
-                  ///< not 'x' in scene.usda
+  /// The mesh's length unit, above 0, and its axis that points up, 'x', 'y' or 'z', instead of
+  /// those of SourceMesh::coordinates.
+  std::optional<double> metersPerUnit{};
+  std::optional<char> up{};
 
   bool needsLevelSets() const { return vdb || vdbOptions.fog; }  ///< Fragment::surface
 
@@ -111,6 +112,10 @@ struct WriteOptions {
   }
   bool needsAllLevelSets() const { return vdb && vdbFiles != VdbFiles::files; }
 };
+
+/// Returns what a mesh's coordinates mean, with what options say of it.
+[[nodiscard]] CoordinateSystem coordinatesOf(const CoordinateSystem& read,
+                                             const WriteOptions& write);
 
 /// Returns WriteOptions::samplingMemory for a limit on all memory.
 [[nodiscard]] inline std::uint64_t samplingMemoryOf(std::uint64_t limit) {

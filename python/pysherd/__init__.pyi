@@ -112,6 +112,10 @@ class Fracture(Sequence[Fragment]):
     @property
     def offset(self) -> NDArray[np.float64]: ...
     @property
+    def unit(self) -> float: ...
+    @property
+    def up(self) -> str: ...
+    @property
     def labels(self) -> NDArray[np.uint16]: ...
     @property
     def sparse_labels(self) -> SparseLabels: ...
@@ -143,7 +147,6 @@ class Fracture(Sequence[Fragment]):
         proxy_gap: float | None = 0,
         usd_format: str | Sequence[Literal["usda", "usdz"]] | None = ("usda",),
         usd_volumes: bool | None = False,
-        meters_per_unit: float | None = 1,
         joint_strength: float | None = 1,
         vdb: Literal["files", "single", "both"] | None = "files",
         half: bool | None = False,
@@ -154,7 +157,8 @@ class Fracture(Sequence[Fragment]):
         plain_meshes: bool | None = False,
         precision: Literal["auto", "single", "double"] | None = "auto",
         source_faces: bool | None = False,
-        up: Literal["x", "y", "z"] | None = "y",
+        up: Literal["auto", "x", "y", "z"] | None = "auto",
+        unit: float | Literal["auto", "mm", "cm", "m", "km", "in", "ft"] | None = "auto",
     ) -> None: ...
     def to_trimesh(self) -> list[Any]: ...
     def render(
@@ -164,7 +168,7 @@ class Fracture(Sequence[Fragment]):
         explode: float = 0.25,
         azimuth: float = 35.0,
         elevation: float = 20.0,
-        up: str = "y",
+        up: str = "auto",
         size: tuple[int, int] = (1280, 720),
         progress: _Progress | None = None,
     ) -> NDArray[np.uint8]: ...
@@ -185,6 +189,10 @@ class Solid:
     def origin(self) -> NDArray[np.float64]: ...
     @property
     def offset(self) -> NDArray[np.float64]: ...
+    @property
+    def unit(self) -> float: ...
+    @property
+    def up(self) -> str: ...
     @property
     def options(self) -> Options: ...
     def fractures(
@@ -211,6 +219,8 @@ def voxelize(
     recenter: bool | None = False,
     grid: float | str | os.PathLike[str] | Sequence[Any] | None = None,
     isovalue: float | None = 0.5,
+    up: Literal["auto", "x", "y", "z"] | None = "auto",
+    unit: float | Literal["auto", "mm", "cm", "m", "km", "in", "ft"] | None = "auto",
     surface: Literal["smooth", "labels", "exact", "auto"] | None = "auto",
 ) -> Solid: ...
 def fracture(
@@ -275,7 +285,6 @@ def fracture(
     proxy_gap: float | None = 0,
     usd_format: str | Sequence[Literal["usda", "usdz"]] | None = ("usda",),
     usd_volumes: bool | None = False,
-    meters_per_unit: float | None = 1,
     joint_strength: float | None = 1,
     vdb: Literal["files", "single", "both"] | None = "files",
     half: bool | None = False,
@@ -286,7 +295,8 @@ def fracture(
     plain_meshes: bool | None = False,
     precision: Literal["auto", "single", "double"] | None = "auto",
     source_faces: bool | None = False,
-    up: Literal["x", "y", "z"] | None = "y",
+    up: Literal["auto", "x", "y", "z"] | None = "auto",
+    unit: float | Literal["auto", "mm", "cm", "m", "km", "in", "ft"] | None = "auto",
     surface: Literal["smooth", "labels", "exact", "auto"] | None = "auto",
     interface: Literal["shared", "independent"] | None = "shared",
     adaptivity: float | Literal["auto"] | None = "auto",

@@ -120,6 +120,16 @@ class Fracture(Sequence[Fragment]):
         """(3,) float64: added to positions, it gives those of the input; 0 unless `recenter` moved the object."""
         return np.array(self._core.offset)
 
+    @property
+    def unit(self) -> float:
+        """Meters in the unit of lengths: what the mesh's file says, its format usually has, or `unit` gave."""
+        return self._core.unit
+
+    @property
+    def up(self) -> str:
+        """The axis that points up, 'x', 'y' or 'z': what the mesh's file says, its format usually has, or `up` gave."""
+        return self._core.up
+
     @cached_property
     def labels(self) -> Array:
         """(nx, ny, nz) uint16, the fragment's id of each voxel of the solid's tight box: 0 outside, 65535 in the solid but in no
@@ -211,7 +221,7 @@ class Fracture(Sequence[Fragment]):
         explode: float = 0.25,
         azimuth: float = 35.0,
         elevation: float = 20.0,
-        up: str = "y",
+        up: str = "auto",
         size: tuple[int, int] = (1280, 720),
         progress: _jobs.Progress | None = None,
     ) -> Array:
@@ -226,7 +236,7 @@ class Fracture(Sequence[Fragment]):
         azimuth, elevation : float
             Of the camera, degrees around the up axis, and above the horizon, -90..90.
         up : str
-            The mesh's axis that points up: 'x', 'y' or 'z'.
+            The mesh's axis that points up: 'x', 'y', 'z', or 'auto' for that of the fracture.
         size : tuple of int
             Width and height in pixels, 16..16384.
 
@@ -249,7 +259,9 @@ class Fracture(Sequence[Fragment]):
         if len(sides) != 2:
             raise UsageError(f"size: {shown(size)} is no pair of a width and a height")
         width, height = (whole("size", side, 16, 16384) for side in sides)
-        return file_errors(_core.render(self._core, path, *numbers, word("up", up, ("x", "y", "z")), width, height), progress, self._is_loaded)
+        axis = word("up", up, ("auto", "x", "y", "z"))
+        axis = self.up if axis == "auto" else axis
+        return file_errors(_core.render(self._core, path, *numbers, axis, width, height), progress, self._is_loaded)
 
     @property
     def _is_loaded(self) -> bool:

@@ -105,7 +105,7 @@ def _number_text(value: Any) -> str:
 
 
 ROWS: dict[str, Row] = {row["keyword"]: Row(row) for row in _core.option_table()}
-_FILES = frozenset(("write", "voxel_format", "mesh_format", "plain_meshes", "precision", "source_faces", "up"))
+_FILES = frozenset(("write", "voxel_format", "mesh_format", "plain_meshes", "precision", "source_faces", "up", "unit"))
 
 
 def _makes_solid(row: Row) -> bool:
@@ -113,7 +113,7 @@ def _makes_solid(row: Row) -> bool:
 
 
 SOLID = {k: r for k, r in ROWS.items() if _makes_solid(r)}
-VOXELIZE = {k: r for k, r in ROWS.items() if k in SOLID or k in ("preset", "surface")}
+VOXELIZE = {k: r for k, r in ROWS.items() if k in SOLID or k in ("preset", "surface", "up", "unit")}
 SAVE = {k: r for k, r in ROWS.items() if k in _FILES or r.group in ("Points", "Files for hosts")}
 POINTS = {k: r for k, r in ROWS.items() if k in ("share_points", "point_sampler", "point_rule")}
 

@@ -32,6 +32,10 @@ class Solid:
         World position of the center of the box's first voxel.
     offset : ndarray, shape (3,), float64
         Added to positions, it gives those of the input; 0 unless `recenter` moved the object.
+    unit : float
+        Meters in the unit of lengths: what the file says, its format usually has, or the option `unit` gave.
+    up : str
+        The axis that points up, 'x', 'y' or 'z', known in the same way.
     voxel_size : float
         World units per voxel.
     voxels : int
@@ -47,6 +51,8 @@ class Solid:
 
     name: str = property(lambda self: self._core.name)  # type: ignore[assignment]
     shape: tuple[int, int, int] = property(lambda self: self._core.shape)  # type: ignore[assignment]
+    unit: float = property(lambda self: self._core.unit)  # type: ignore[assignment]
+    up: str = property(lambda self: self._core.up)  # type: ignore[assignment]
     voxel_size: float = property(lambda self: self._core.voxel_size)  # type: ignore[assignment]
     voxels: int = property(lambda self: self._core.voxels)  # type: ignore[assignment]
     components: int = property(lambda self: self._core.components)  # type: ignore[assignment]

@@ -229,6 +229,8 @@ void bindFractures(nb::module_& module) {
                      const glm::dvec3 by = f.offset();
                      return nb::make_tuple(by.x, by.y, by.z);
                    })
+      .def_prop_ro("unit", [](const Fracture& f) { return f.coordinates().metersPerUnit; })
+      .def_prop_ro("up", [](const Fracture& f) { return std::string(1, f.coordinates().up); })
       .def_prop_ro("origin", [](const Fracture& f) {
         const glm::dvec3 at = f.frame().origin;
         return nb::make_tuple(at.x, at.y, at.z);

@@ -113,6 +113,8 @@ void bindSolids(nb::module_& module) {
                    })
       .def_prop_ro("offset",
                    [](const Solid& s) { return vectorOf(s.offset().value_or(glm::dvec3(0.0))); })
+      .def_prop_ro("unit", [](const Solid& s) { return s.source().coordinates.metersPerUnit; })
+      .def_prop_ro("up", [](const Solid& s) { return std::string(1, s.source().coordinates.up); })
       .def_prop_ro("origin", [](const Solid& s) {
         return vectorOf(s.solid().frame.worldFromIndex(s.solid().box.min));
       });

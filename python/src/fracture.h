@@ -52,6 +52,8 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   [[nodiscard]] virtual sherd::GridFrame frame() const = 0;  ///< origin: voxel (0,0,0) of labels()
   /// What positions lack to be those of the input; 0 if the object was not recentered.
   [[nodiscard]] virtual glm::dvec3 offset() const = 0;
+  /// What positions mean in space.
+  [[nodiscard]] virtual sherd::CoordinateSystem coordinates() const = 0;
   [[nodiscard]] virtual VoxelIds labels() const = 0;
   [[nodiscard]] virtual std::uint64_t seed() const = 0;
 
@@ -144,6 +146,9 @@ class GrownPieces : public Fracture {
   [[nodiscard]] glm::dvec3 offset() const override {
     return solid_->offset().value_or(glm::dvec3(0.0));
   }
+  [[nodiscard]] sherd::CoordinateSystem coordinates() const override {
+    return coordinatesOf(solid_->source().coordinates, run_.write);
+  }
   [[nodiscard]] VoxelIds labels() const override;
   [[nodiscard]] std::uint64_t seed() const override { return run_.fracture.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
@@ -191,6 +196,9 @@ class LoadedPieces : public Fracture {
   [[nodiscard]] sherd::GridFrame frame() const override { return frame_; }
   [[nodiscard]] glm::dvec3 offset() const override {
     return manifest_.offset.value_or(glm::dvec3(0.0));
+  }
+  [[nodiscard]] sherd::CoordinateSystem coordinates() const override {
+    return manifest_.coordinates;
   }
   [[nodiscard]] VoxelIds labels() const override;
   [[nodiscard]] std::uint64_t seed() const override { return manifest_.seed; }

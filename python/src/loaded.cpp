@@ -72,7 +72,7 @@ VoxelIds LoadedPieces::labels() const {
 
 std::vector<Fragment> LoadedPieces::made(const sherd::Progress& progress) {
   sherd::reportProgress(&progress, "read", 0.0);
-  std::vector<Fragment> fragments = sherd::readPieces(fs::path(file_).parent_path());
+  std::vector<Fragment> fragments = sherd::readPieces(fs::path(file_).parent_path()).fragments;
   if (fragments.size() != manifest_.fragments.size() || contacts_.size() != fragments.size()) {
     sherd::inputError(file_, "lists another number of fragments than there are files of");
   }

@@ -20,6 +20,7 @@ namespace nb = nanobind;
 namespace {
 
 using sherd::ByteSource;
+using sherd::CoordinateBasis;
 using sherd::Material;
 using sherd::SourceMesh;
 using sherd::Texture;
@@ -51,6 +52,10 @@ void eachField(Source& source, Field&& field) {
   field(source.droppedVertices);
   field(source.droppedTriangles);
   field(source.isovalue);
+  field(source.coordinates.metersPerUnit);
+  field(source.coordinates.up);
+  field(source.coordinates.unitFrom);
+  field(source.coordinates.upFrom);
 }
 
 // Puts the fields of a source.  Texts may have any bytes.
@@ -59,6 +64,9 @@ struct Put {
 
   void operator()(const std::string& text) const { pieces.put(text); }
   void operator()(const std::size_t& number) const { pieces.putOne(number); }
+  void operator()(const double& number) const { pieces.putOne(number); }
+  void operator()(const char& axis) const { pieces.putOne(axis); }
+  void operator()(const CoordinateBasis& basis) const { pieces.putOne(basis); }
   void operator()(const std::optional<double>& number) const {
     pieces.putSize(number ? 1 : 0);
     if (number) pieces.putOne(*number);
@@ -94,6 +102,9 @@ struct Take {
 
   void operator()(std::string& text) const { source.take(text); }
   void operator()(std::size_t& number) const { source.takeOne(number); }
+  void operator()(double& number) const { source.takeOne(number); }
+  void operator()(char& axis) const { source.takeOne(axis); }
+  void operator()(CoordinateBasis& basis) const { source.takeOne(basis); }
   void operator()(std::optional<double>& number) const {
     std::vector<char> some;
     source.makeRoom(some, ByteSource::kCountBytes + sizeof(double));
@@ -146,6 +157,15 @@ bool isName(const std::string& text) {
   return text.find('/') == std::string::npos && text.find('\0') == std::string::npos;
 }
 
+bool isPossible(const sherd::CoordinateSystem& coordinates) {
+  const auto isBasis = [](CoordinateBasis basis) {
+    return basis >= CoordinateBasis::format && basis <= CoordinateBasis::option;
+  };
+  return std::isfinite(coordinates.metersPerUnit) && coordinates.metersPerUnit > 0.0 &&
+         coordinates.up >= 'x' && coordinates.up <= 'z' && isBasis(coordinates.unitFrom) &&
+         isBasis(coordinates.upFrom);
+}
+
 // Returns what is wrong with an object beyond its checksum, as a clause; empty if nothing is.
 std::string faultOf(const Object& object) {
   const SourceMesh& source = *object.source;
@@ -162,6 +182,7 @@ std::string faultOf(const Object& object) {
   if (source.isovalue && !std::isfinite(*source.isovalue)) {
     return "has an isovalue that is not finite";
   }
+  if (!isPossible(source.coordinates)) return "has coordinates without a unit or an upward axis";
   if (!isName(source.name) || !isName(source.stem)) return "has a name that is none of a file";
   const auto contradiction = contradictionIn(source);
   return contradiction ? "contradicts itself: " + *contradiction : std::string();

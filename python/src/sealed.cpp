@@ -16,8 +16,8 @@ namespace nb = nanobind;
 
 namespace {
 
-// Its last byte is the format's number: 2 since solids have an offset.
-constexpr std::string_view kBegin{"sherd\0\0\2", 8};
+// Its last byte is the format's number: 3 since solids have a unit and an upward axis.
+constexpr std::string_view kBegin{"sherd\0\0\3", 8};
 constexpr std::size_t kKind = 8, kHead = kBegin.size() + kKind + sizeof(std::uint64_t);
 constexpr std::size_t kSum = sizeof(std::uint32_t);
 

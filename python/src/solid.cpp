@@ -2,6 +2,7 @@
 #include "solid.h"
 
 #include <sherd/error.h>
+#include <sherd/folder.h>
 #include <sherd/options.h>
 #include <unistd.h>
 
@@ -243,6 +244,9 @@ SolidPtr voxelized(Object object, const GivenOptions& given, const std::string& 
   for (const auto& [name, text] : given) names.push_back(name);
   Read read = readObject(object, run, useOf(std::move(names), file), progress);
   if (run.recenter && !read.offset) recenter(read);  // a pickle's is already
+  sherd::CoordinateSystem& coordinates = read.source.coordinates;
+  if (!file.empty()) coordinates = sherd::coordinatesOfFile(file, coordinates);
+  coordinates = coordinatesOf(coordinates, run.write);
   try {
     sherd::Solid solid = solidOf(read, run.fracture, run.volume.maxMemory, progress);
     LeasedDevice leased(device);

@@ -4,6 +4,7 @@
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/material.h>
+#include <assimp/metadata.h>
 #include <assimp/scene.h>
 #include <assimp/texture.h>
 
@@ -228,6 +229,25 @@ struct Reader {
   }
 };
 
+// What an FBX says of itself: its unit in centimeters, and its axis 0, 1 or 2.
+void addCoordinates(const aiScene& scene, RawMesh& mesh) {
+  constexpr double kMetersPerCentimeter = 0.01;
+  if (scene.mMetaData == nullptr) return;
+  double centimeters = 0.0;
+  float single = 0.0f;
+  if (!scene.mMetaData->Get("UnitScaleFactor", centimeters) &&
+      scene.mMetaData->Get("UnitScaleFactor", single)) {
+    centimeters = double{single};
+  }
+  if (std::isfinite(centimeters) && centimeters > 0.0) {
+    mesh.metersPerUnit = centimeters * kMetersPerCentimeter;
+  }
+  std::int32_t axis = -1;
+  if (scene.mMetaData->Get("UpAxis", axis) && axis >= 0 && axis <= 2) {
+    mesh.up = static_cast<char>('x' + axis);
+  }
+}
+
 }  // namespace
 
 RawMesh readScene(const std::string& bytes, const std::string& extension) {
@@ -239,7 +259,9 @@ RawMesh readScene(const std::string& bytes, const std::string& extension) {
   // No post-processing: Sherd merges and triangulates; Assimp's own steps are slow or leave holes.
   const aiScene* scene = importer.ReadFile(name, 0);
   if (scene == nullptr || scene->mRootNode == nullptr) throw refused(importer.GetErrorString());
-  return Reader{.scene = *scene}.read();
+  RawMesh mesh = Reader{.scene = *scene}.read();
+  if (extension == "fbx") addCoordinates(*scene, mesh);
+  return mesh;
 }
 
 }  // namespace sherd

@@ -27,6 +27,7 @@ inline constexpr const char* kMeshFileFormat[] = {"ply", "obj", "glb", "stl", "s
 inline constexpr const char* kUsdFormat[] = {"usda", "usdz"};
 inline constexpr const char* kVoxelFormat[] = {"rle", "npy", "npz", "vox", "qstack", "bing"};
 inline constexpr const char* kVdbFiles[] = {"files", "single", "both"};
+inline constexpr const char* kCoordinateBasis[] = {"format", "file", "option"};
 inline constexpr const char* kPrecision[] = {"auto", "single", "double"};
 inline constexpr const char* kVdbCompression[] = {"blosc", "zip", "none"};
 inline constexpr const char* kDatasetLayout[] = {"sherd", "packed", "paper", "bb", "hdf5", "pfpp"};

@@ -11,7 +11,8 @@ namespace {
 struct FormerOption {
   std::string_view former, current;
 };
-constexpr FormerOption kOptions[] = {{"--erode-crumbs", "--erode-islands"}};
+constexpr FormerOption kOptions[] = {{"--erode-crumbs", "--erode-islands"},
+                                     {"--meters-per-unit", "--unit"}};
 
 struct FormerValue {
   std::string_view option, former, current;

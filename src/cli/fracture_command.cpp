@@ -110,7 +110,9 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
     }
     if (!input.finished->isExact) useSmooth(arguments);
     input.meshes = {input.finished->source};
-    input.offsets = {readManifest(manifestIn(arguments.mesh)).offset};
+    const Manifest manifest = readManifest(manifestIn(arguments.mesh));
+    input.meshes.front().coordinates = manifest.coordinates;
+    input.offsets = {manifest.offset};
     arguments.run.fracture.solid.resolution = input.finished->resolution;
     return input;
   }
@@ -135,6 +137,7 @@ Input readInput(FractureArguments& arguments, const Progress& progress) {
   } else {
     source = readMesh(arguments.mesh, {.maxMemory = arguments.run.volume.maxMemory}, &progress);
   }
+  source.coordinates = coordinatesOfFile(arguments.mesh, source.coordinates);
   const RunOptions& run = arguments.run;
   const bool isExact = run.fracture.surface.surface == Surface::exact;
   // Only exact surfaces have them, and they take more memory than the triangles.

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "base/formatted.h"
 #include "base/json_of.h"
+#include "base/lower_case.h"
 #include "base/printable.h"
 #include "base/text_scan.h"
 
@@ -22,6 +24,53 @@ std::string number(double value, int digits) {
 // Whether a mesh was broken, and not fragments again.
 bool isMesh(const FractureSummary& summary) {
   return !summary.source.mesh.triangles.empty() && summary.result.parents.empty();
+}
+
+// Box of the mesh, or of a volume's voxels.
+Box boxOf(const FractureSummary& summary) {
+  if (isMesh(summary)) return bounds(summary.source.mesh);
+  const Solid& solid = summary.result.solid;
+  const glm::dvec3 half(0.5 * solid.frame.voxelSize);
+  return {solid.frame.worldFromIndex(solid.box.min) - half,
+          solid.frame.worldFromIndex(solid.box.max) + half};
+}
+
+CoordinateSystem coordinatesOf(const FractureSummary& summary) {
+  return sherd::coordinatesOf(summary.source.coordinates, summary.write);
+}
+
+// The ending of a file's name, without that of a compressed one.
+std::string endingOf(const std::string& name) {
+  std::filesystem::path path = lowerCase(name);
+  if (path.extension() == ".gz") path = path.stem();
+  return printable(path.extension().string());
+}
+
+// Where one of the two is from, and the option that changes it.
+std::string originText(CoordinateBasis basis, const std::string& ending, const char* options) {
+  switch (basis) {
+    case CoordinateBasis::file:
+      return "as the file says";
+    case CoordinateBasis::option:
+      return "as given";
+    case CoordinateBasis::format:
+      break;
+  }
+  return "assumed" + (ending.empty() ? "" : " for " + ending) + ": " + options;
+}
+
+// "bust.stl: 495 mm high, z up (assumed for .stl: --up, --unit)"
+std::string sizeLine(const FractureSummary& summary) {
+  const std::string ending = endingOf(summary.source.name);
+  const CoordinateSystem coordinates = coordinatesOf(summary);
+  const std::string high =
+      printable(summary.source.name) + ": " + heightText(coordinates, boxOf(summary));
+  const std::string up = std::string(1, coordinates.up) + " up";
+  if (coordinates.unitFrom == coordinates.upFrom) {
+    return high + ", " + up + " (" + originText(coordinates.upFrom, ending, "--up, --unit") + ")\n";
+  }
+  return high + " (unit " + originText(coordinates.unitFrom, ending, "--unit") + "), " + up + " (" +
+         originText(coordinates.upFrom, ending, "--up") + ")\n";
 }
 
 }  // namespace
@@ -78,9 +127,9 @@ std::string textOf(const FractureSummary& summary) {
   const std::string moved = offset ? ", recentered from (" + number(offset->x, 10) + ", " +
                                          number(offset->y, 10) + ", " + number(offset->z, 10) + "),"
                                    : "";
-  return (isMesh(summary) ? meshReport(summary.source, result) : "") + printable(summary.folder) +
-         ": " + std::to_string(result.fragments.size()) + " fragments of " +
-         printable(summary.source.name) + withheld + moved + " in " +
+  return (isMesh(summary) ? meshReport(summary.source, result) : "") + sizeLine(summary) +
+         printable(summary.folder) + ": " + std::to_string(result.fragments.size()) +
+         " fragments of " + printable(summary.source.name) + withheld + moved + " in " +
          number(summary.times.back().seconds, 3) + " s (" + std::to_string(result.solid.voxels) +
          " voxels of " + number(result.solid.frame.voxelSize, 4) + ", seed " +
          std::to_string(summary.options.seed) + ", " + summary.device.name + ")\n";
@@ -117,6 +166,11 @@ nlohmann::ordered_json jsonOf(const FractureSummary& summary) {
                                  : nlohmann::ordered_json()},
       {"warnings", warningsOf(summary)},
       {"seconds", seconds}};
+  const CoordinateSystem coordinates = coordinatesOf(summary);
+  json.update(nlohmann::ordered_json::parse(coordinatesJson(coordinates)));
+  const Box box = boxOf(summary);
+  const int axis = coordinates.up - 'x';
+  json["height_meters"] = (box.max[axis] - box.min[axis]) * coordinates.metersPerUnit;
   if (summary.write.offset) json["offset"] = sherd::jsonOf(*summary.write.offset);
   return json;
 }

@@ -75,20 +75,22 @@ Json inspectMesh(const fs::path& file) {
   const SourceMesh source = readMesh(file, {.maxMemory = freeMemory()}, &untilInterrupted());
   const MeshQuality quality = meshQuality(source.mesh);
   const Box box = bounds(source.mesh);
-  return {{"kind", "mesh"},
-          {"sha256", source.sha256},
-          {"vertices", source.mesh.vertices.size()},
-          {"triangles", source.mesh.triangles.size()},
-          {"degenerate_triangles", source.degenerateTriangles},
-          {"closed", quality.closed},
-          {"boundary_edges", quality.boundaryEdges},
-          {"non_manifold_edges", quality.nonManifoldEdges},
-          {"misoriented_edges", quality.flippedEdges},
-          {"components", quality.components},
-          {"area", area(source.mesh)},
-          {"volume", volume(source.mesh)},
-          {"box_min", jsonOf(box.min)},
-          {"box_max", jsonOf(box.max)}};
+  Json found = {{"kind", "mesh"},
+                {"sha256", source.sha256},
+                {"vertices", source.mesh.vertices.size()},
+                {"triangles", source.mesh.triangles.size()},
+                {"degenerate_triangles", source.degenerateTriangles},
+                {"closed", quality.closed},
+                {"boundary_edges", quality.boundaryEdges},
+                {"non_manifold_edges", quality.nonManifoldEdges},
+                {"misoriented_edges", quality.flippedEdges},
+                {"components", quality.components},
+                {"area", area(source.mesh)},
+                {"volume", volume(source.mesh)},
+                {"box_min", jsonOf(box.min)},
+                {"box_max", jsonOf(box.max)}};
+  found.update(Json::parse(coordinatesJson(coordinatesOfFile(file, source.coordinates))));
+  return found;
 }
 
 Json inspectPoints(const fs::path& file, PointFormat format) {

@@ -78,6 +78,7 @@ std::string textOf(const Json& rows) {
       for (const Json& choice : row["choices"]) {
         choices += (choices.empty() ? "" : "|") + choice.get<std::string>();
       }
+      if (row["type"] == "number") choices += "|" + row["range"].get<std::string>();
       text += " " + choices;
     } else if (row.contains("range")) {
       text += " " + row["range"].get<std::string>();

@@ -36,7 +36,7 @@ struct RenderArguments {
   std::string path;
   std::string output;
   RenderOptions options;
-  std::string up = "y";
+  std::string up = "auto";
   int turntable = 0;  ///< images in a full rotation; 0: one image, not numbered
   int threads = 0;    ///< 0: all cores
 };
@@ -93,13 +93,14 @@ void runRender(RenderArguments& arguments) {
                 "--output: '" + arguments.output + "' ends neither in .png nor .exr");
   }
   RenderOptions options = arguments.options;
-  options.up = arguments.up.front();
   const auto count = static_cast<std::size_t>(std::max(1, arguments.turntable));
   const auto file = [&](std::size_t i) {
     return arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
   };
   for (std::size_t i = 0; i < count; ++i) requireNoInput("--output", file(i));
-  const std::vector<Fragment> fragments = readPieces(arguments.path, {.maxMemory = freeMemory()});
+  const Pieces pieces = readPieces(arguments.path, {.maxMemory = freeMemory()});
+  const std::vector<Fragment>& fragments = pieces.fragments;
+  options.up = arguments.up == "auto" ? pieces.coordinates.up : arguments.up.front();
   HeldFiles files;
   for (std::size_t i = 0; i < count; ++i) {
     options.azimuth =
@@ -151,9 +152,12 @@ void addRenderCommand(CLI::App& app, Action& run) {
           "Number of images in a full rotation, x_001.png and so on; 0: one image, not numbered")
       ->transform(wholeNumber(0, 100'000))
       ->capture_default_str();
-  command->add_option("--up", arguments->up, "The mesh's axis that points up")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->default_str("y");
+  command
+      ->add_option("--up", arguments->up,
+                   "The mesh's axis that points up; auto: as the fracture or the file says, "
+                   "else z in .stl, .off and .3mf, y in others")
+      ->check(CLI::IsMember({"auto", "x", "y", "z"}))
+      ->default_str("auto");
   command->add_option("--threads", arguments->threads, "Threads; default all cores")
       ->transform(wholeNumber(1, 4096));
   command->callback([arguments, &run] { run = [arguments] { runRender(*arguments); }; });

@@ -19,10 +19,10 @@ namespace sherd::cli {
 template <class Target>
 [[nodiscard]] std::string typeText(const OptionValue<Target>& value) {
   if (!value.choices.empty()) {
+    const bool isNumber = value.type == OptionType::length || value.type == OptionType::number;
     const char* const comma =
         value.type == OptionType::whole || value.type == OptionType::length ? ", " : ",";
-    return ":{" + joinedText(value.choices, comma) + "}" +
-           (value.type == OptionType::length ? "|" + value.range : "");
+    return ":{" + joinedText(value.choices, comma) + "}" + (isNumber ? "|" + value.range : "");
   }
   if (value.type == OptionType::whole) return "INT:" + value.range;
   if (value.type == OptionType::number || value.type == OptionType::length) {

@@ -97,7 +97,7 @@ void addViewCommand(CLI::App& app, Action& run) {
   command
       ->add_option(
           "--unit", arguments->unit,
-          "The unit of the mesh's lengths, shown beside them; default m for glTF, else none")
+          "The unit of the mesh's lengths, shown beside them; default that of the fracture")
       ->check(CLI::Validator(
           [](const std::string& text) -> std::string {
             return text.size() <= 16 ? "" : "'" + text + "' is longer than 16 bytes";
@@ -105,7 +105,7 @@ void addViewCommand(CLI::App& app, Action& run) {
           ""));
   command
       ->add_option("--up", arguments->up,
-                   "The mesh's axis that points up; default that of the fracture, else y")
+                   "The mesh's axis that points up; default that of the fracture")
       ->check(CLI::IsMember({"x", "y", "z"}));
   command->add_flag("--open", arguments->opens, "Open the page in a browser, by xdg-open");
   command->callback([arguments, &run] { run = [arguments] { runView(*arguments); }; });

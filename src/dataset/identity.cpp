@@ -182,6 +182,7 @@ DatasetOptions checkedOptions(DatasetOptions options) {
   // Only what the layout holds is made.
   WriteOptions alone{.labels = false, .vdb = false, .mesh = false, .preview = false};
   alone.up = write.up;
+  alone.metersPerUnit = write.metersPerUnit;
   if (options.layout == DatasetLayout::hdf5) {
     alone.mesh = true;
     write = alone;

@@ -376,7 +376,7 @@ class ObjectRun {
     if (!run_.thumbnails.contains(name)) return;
     const Clock::time_point begin = Clock::now();
     writeThumbnail(run_.out / thumbnailName(object_, name),
-                   std::span(result.fragments).first(result.kept()), options_.each.write.up);
+                   std::span(result.fragments).first(result.kept()), writer_->coordinates().up);
     if (options_.viewers && name != kWholeName) writePage(name, result);
     run_.times.add("picture", secondsSince(begin));
   }

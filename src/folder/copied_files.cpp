@@ -54,10 +54,13 @@ CopiedFiles::CopiedFiles(const FinishedFracture& finished, const FractureResult&
       if (neighbor < stays_.size() && !stays_[neighbor]) isBeside_[id] = true;
     }
   }
-  levelSets_ = areEqual(old.vdbOptions, write.vdbOptions) && old.density == write.density;
-  meshes_ = old.plainMeshes == write.plainMeshes && haveSameStl(old, write) &&
-            (old.precision == Precision::full) == isDouble && !write.sourceFaces &&
-            earlier.fracture.surface.triangles == options.surface.triangles;
+  const CoordinateSystem was = manifest.coordinates, now = coordinatesOf(was, write);
+  const bool isSameUnit = was.metersPerUnit == now.metersPerUnit;
+  levelSets_ =
+      areEqual(old.vdbOptions, write.vdbOptions) && old.density == write.density && isSameUnit;
+  meshes_ = isSameUnit && was.up == now.up && old.plainMeshes == write.plainMeshes &&
+            haveSameStl(old, write) && (old.precision == Precision::full) == isDouble &&
+            !write.sourceFaces && earlier.fracture.surface.triangles == options.surface.triangles;
   points_ = haveSamePoints(old, write);
   proxies_ = meshes_ && old.proxyGap == write.proxyGap;
 }

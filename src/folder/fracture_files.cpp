@@ -96,7 +96,7 @@ FractureWriting::FractureWriting(const FractureWriter& writer, const OutputFolde
       result_(result),
       kept_(kept == nullptr ? CopiedFiles() : *kept),
       meshes_(folder_, files, writer.source(), writer.materials(), writer.attributes(),
-              result.solid, writer.options()),
+              result.solid, writer.options(), writer.coordinatesWritten()),
       attributes_(hasScenes(files) ? result.kept() : 0),
       previews_(files.preview.empty() ? 0 : result.kept()) {
   if (!files.materials.empty()) (void)kept_.copyMaterials(files.materials, folder_);
@@ -107,7 +107,9 @@ std::span<const Fragment> FractureWriting::kept() const {
 }
 
 GridMetadata FractureWriting::metadata() const {
-  return {writer_.source().name, options_.seed, writer_.options().density, result_.parents};
+  const double meters = writer_.coordinatesWritten().metersPerUnit;
+  const double density = writer_.options().density * meters * meters * meters;
+  return {writer_.source().name, options_.seed, density, result_.parents};
 }
 
 void FractureWriting::begin(const Progress* progress) const {
@@ -196,7 +198,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
     writeGraph(folder_ / files_.graph, kept(), metadata(), result_.labels.splits);
   }
   if (!files_.constraints.empty()) {
-    writeConstraints(folder_ / files_.constraints, kept(), write.jointStrength,
+    const double meters = writer_.coordinatesWritten().metersPerUnit;
+    writeConstraints(folder_ / files_.constraints, kept(), write.jointStrength * meters * meters,
                      result_.labels.splits, progress);
   }
   if (!files_.points.empty() && write.sharePoints) {
@@ -233,7 +236,8 @@ std::vector<std::string> FractureWriting::finish(const Progress* progress) const
   if (!rounding.empty()) warnings.push_back(std::move(rounding));
   reportProgress(progress, "write", 1.0);
   if (!files_.preview.empty()) {
-    writePng(folder_ / files_.preview, renderFragments(previews_, {.up = write.up}, progress));
+    writePng(folder_ / files_.preview,
+             renderFragments(previews_, {.up = writer_.coordinates().up}, progress));
   }
   return warnings;
 }
@@ -267,9 +271,6 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
                 "seeds of points and distances are derived from the fracture's; do not set them");
   }
   checkPointOptions(write.points);
-  if (write.usd && write.up == 'x') {
-    throw Error(ErrorCode::usage, "the axis that points up in a USD scene is y or z");
-  }
   const SurfaceOptions& surface = options.surface;
   const Iterations& smoothed = surface.smooth.boundaryIterations;
   const bool isSmoothed =

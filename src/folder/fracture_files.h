@@ -26,6 +26,14 @@ class FractureWriter {
   [[nodiscard]] const SourceMesh& source() const { return source_; }
   [[nodiscard]] const WriteOptions& options() const { return options_; }
   [[nodiscard]] const MaterialTable& materials() const { return table_; }
+  /// What the source's coordinates mean, with what the options say of it.
+  [[nodiscard]] CoordinateSystem coordinates() const {
+    return coordinatesOf(source_.coordinates, options_);
+  }
+  /// The same of the coordinates in files: a unit box has no size in space, and stays as it is.
+  [[nodiscard]] CoordinateSystem coordinatesWritten() const {
+    return isInUnitBox_ ? CoordinateSystem() : coordinates();
+  }
   /// The source of the meshes' surface attributes and source faces; null if there are neither.
   [[nodiscard]] const AttributeSource* attributes() const {
     return attributes_ ? &*attributes_ : nullptr;

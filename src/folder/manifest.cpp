@@ -31,9 +31,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json sourceJson(const SourceMesh& source, bool isRefracture) {
-  if (isRefracture) return {{"file", source.name}, {"fracture_sha256", source.sha256}};
-  Json json = {{"file", source.name}, {"sha256", source.sha256}};
+Json sourceJson(const SourceMesh& source, bool isRefracture, const WriteOptions& write) {
+  Json json = {{"file", source.name}, {isRefracture ? "fracture_sha256" : "sha256", source.sha256}};
+  json.update(jsonOfCoordinates(coordinatesOf(source.coordinates, write)));
+  if (isRefracture) return json;
   if (!source.grids.empty()) json["grids"] = source.grids;
   if (source.isovalue) json["isovalue"] = *source.isovalue;
   if (source.mesh.triangles.empty()) return json;
@@ -330,7 +331,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
                          const WriteOptions& write) {
   const bool isRefracture = !result.parents.empty();
   Json manifest = {{"schema", kManifestSchema},
-                   {"source", sourceJson(source, isRefracture)},
+                   {"source", sourceJson(source, isRefracture, write)},
                    {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
   if (isRefracture) addHistory(manifest, result);
   if (!source.mesh.triangles.empty() && !isRefracture)

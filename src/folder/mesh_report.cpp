@@ -12,6 +12,7 @@
 #include "base/printable.h"
 #include "base/text_scan.h"
 #include "folder/small_pieces.h"
+#include "mesh/coordinate_system.h"
 
 namespace sherd {
 namespace {
@@ -89,6 +90,25 @@ std::string firstOf(const std::vector<std::string>& names) {
 }
 
 }  // namespace
+
+std::string heightText(const CoordinateSystem& coordinates, const Box& box) {
+  return lengthText(heightOf(box, coordinates.up), coordinates.metersPerUnit) + " high";
+}
+
+nlohmann::ordered_json jsonOfCoordinates(const CoordinateSystem& coordinates) {
+  nlohmann::ordered_json unit = nlohmann::ordered_json::object();
+  if (const LengthUnit* const known = unitOf(coordinates.metersPerUnit)) unit["name"] = known->name;
+  unit["meters"] = coordinates.metersPerUnit;
+  unit["from"] = names::of(names::kCoordinateBasis, coordinates.unitFrom);
+  return {{"unit", std::move(unit)},
+          {"up",
+           {{"axis", std::string(1, coordinates.up)},
+            {"from", names::of(names::kCoordinateBasis, coordinates.upFrom)}}}};
+}
+
+std::string coordinatesJson(const CoordinateSystem& coordinates) {
+  return jsonText(jsonOfCoordinates(coordinates), -1);
+}
 
 std::string unitedText(const UnitedBodies& united) {
   std::string text;

@@ -18,6 +18,9 @@ inline constexpr double kVolumesAgree = 0.03;
 [[nodiscard]] nlohmann::ordered_json reportJson(const SourceMesh& source,
                                                 const FractureResult& result);
 
+/// Returns coordinatesJson() as JSON.
+[[nodiscard]] nlohmann::ordered_json jsonOfCoordinates(const CoordinateSystem& coordinates);
+
 /// Returns what Surface::exact made of the input's holes, and of bodies that overlap, touch or
 /// cross themselves, as a clause; empty where there are none.
 [[nodiscard]] std::string unitedText(const UnitedBodies& united);

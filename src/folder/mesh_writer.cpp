@@ -15,10 +15,11 @@ namespace sherd {
 MeshWriter::MeshWriter(const OutputFolder& folder, const FractureFiles& files,
                        const SourceMesh& source, const MaterialTable& table,
                        const AttributeSource* attributes, const Solid& solid,
-                       const WriteOptions& write)
+                       const WriteOptions& write, const CoordinateSystem& coordinates)
     : folder_(folder),
       table_(table),
       options_(write),
+      coordinates_(coordinates),
       attributes_(attributes),
       solid_(solid),
       input_{source, groupNames(source)},
@@ -48,7 +49,7 @@ void MeshWriter::writeAs(MeshFileFormat format, const std::string& path,
   } else if (options_.plainMeshes && format == MeshFileFormat::obj) {
     writePlainObj(file, piece.mesh, piece.isDouble);
   } else if (options_.plainMeshes && format == MeshFileFormat::glb) {
-    writePlainGlb(file, piece.name, piece.mesh);
+    writePlainGlb(file, piece.name, piece.mesh, coordinates_);
   } else {
     writePiece(file, format, piece, library_);
   }
@@ -58,7 +59,7 @@ void MeshWriter::write(const TriangleMesh& mesh, const SurfaceAttributes& attrib
                        const std::vector<std::string>& paths, bool isDouble) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const std::vector<std::int32_t> faces = facesOf(mesh);
-  const PieceMesh piece{name, mesh, attributes, table_, isDouble, &input_, faces};
+  const PieceMesh piece{name, mesh, attributes, table_, isDouble, &input_, faces, coordinates_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
     writeAs(options_.meshFormats[i], paths[i], piece);
   }
@@ -69,7 +70,8 @@ void MeshWriter::write(const Fragment& fragment, const SurfaceAttributes& attrib
                        const CopiedFiles& kept) const {
   const std::string name = std::filesystem::path(paths.front()).stem().string();
   const std::vector<std::int32_t> faces = facesOf(fragment.mesh);
-  const PieceMesh piece{name, fragment.mesh, attributes, table_, isDouble, &input_, faces};
+  const PieceMesh piece{name,     fragment.mesh, attributes, table_,
+                        isDouble, &input_,       faces,      coordinates_};
   for (std::size_t i = 0; i < paths.size(); ++i) {
     if (kept.copyMesh(fragment, paths[i], folder_)) continue;
     writeAs(options_.meshFormats[i], paths[i], piece);
@@ -94,8 +96,7 @@ FragmentScene MeshWriter::sceneOf(std::span<const Fragment> fragments,
                       .textureFolder = "meshes/",
                       .density = options_.density,
                       .strength = options_.jointStrength,
-                      .metersPerUnit = options_.metersPerUnit,
-                      .up = options_.up,
+                      .coordinates = coordinates_,
                       .plain = options_.plainMeshes};
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];

@@ -22,9 +22,10 @@ class MeshWriter {
   ///   attributes  of the source; null if it has none and source faces are not
   ///               written
   ///   solid       that the source became
+  ///   coordinates of the meshes
   MeshWriter(const OutputFolder& folder, const FractureFiles& files, const SourceMesh& source,
              const MaterialTable& table, const AttributeSource* attributes, const Solid& solid,
-             const WriteOptions& write);
+             const WriteOptions& write, const CoordinateSystem& coordinates);
 
   /// Transfers the source's surface attributes to a mesh; empty if it has none.
   SurfaceAttributes attributesOf(const TriangleMesh& mesh) const;
@@ -70,6 +71,7 @@ class MeshWriter {
   const OutputFolder& folder_;
   const MaterialTable& table_;
   const WriteOptions& options_;
+  const CoordinateSystem coordinates_;
   const AttributeSource* attributes_;
   const Solid& solid_;
   PieceInput input_;

@@ -33,6 +33,7 @@ FragmentSet listOf(const Manifest& manifest) {
   set.voxelSize = manifest.voxelSize;
   set.splitParents = manifest.splitParents;
   set.offset = manifest.offset;
+  set.coordinates = manifest.coordinates;
   for (const ManifestFragment& fragment : manifest.fragments) {
     EvaluatedFragment& result = set.fragments.emplace_back();
     result.name = meshOf(fragment.meshes);
@@ -107,6 +108,7 @@ FragmentSet readFragments(const fs::path& folder, const ReadOptions& options,
         set.manifest ? listedFile(manifest, fragment.name) : folder / fragment.name;
     SourceMesh read = readMesh(file, {.maxMemory = left});
     takeFrom(left, bytesOf(read.mesh));
+    if (!set.manifest && i == 0) set.coordinates = read.coordinates;
     fragment.droppedTriangles = read.degenerateTriangles;
     fragment.mesh.mesh = std::move(read.mesh);
     fragment.mesh.mesh.attributes = {};

@@ -152,6 +152,35 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   return fragment;
 }
 
+/// What coordinates mean; of a manifest that does not say, meters, and the axis of its images.
+CoordinateSystem coordinatesIn(const Json& json) {
+  CoordinateSystem coordinates;
+  const Json& source = json["source"];
+  const Json formerUp = json["options"].value("up", Json());
+  if (formerUp == "x" || formerUp == "z") coordinates.up = formerUp.get<std::string>().front();
+  const auto basisOf = [](const Json& own) {
+    const Json from = own.value("from", Json());
+    for (const CoordinateBasis basis : {CoordinateBasis::file, CoordinateBasis::option}) {
+      if (from == names::of(names::kCoordinateBasis, basis)) return basis;
+    }
+    return CoordinateBasis::format;
+  };
+  if (source.contains("unit")) {
+    const Json& unit = source["unit"];
+    coordinates.metersPerUnit =
+        number(unit, "meters", std::numeric_limits<double>::min(), kAnyNumber, "its source's unit");
+    coordinates.unitFrom = basisOf(unit);
+  }
+  if (source.contains("up")) {
+    const std::string axis =
+        text(field(source["up"], "axis", "its source's \"up\""), "the axis of its source's \"up\"");
+    if (axis != "x" && axis != "y" && axis != "z") damaged("its source's \"up\" is not x, y or z");
+    coordinates.up = axis.front();
+    coordinates.upFrom = basisOf(source["up"]);
+  }
+  return coordinates;
+}
+
 /// The bodies of the input that fragments have triangles of; fragments are read.
 void readBodies(Manifest& manifest, const Json& json) {
   constexpr int kMostBodies = std::numeric_limits<int>::max();
@@ -198,6 +227,7 @@ Manifest manifestOf(const Json& json) {
   const Json& grid = field(json, "grid", "it");
   manifest.source = text(field(field(json, "source", "it"), "file", "its source"), "its source");
   manifest.seed = count(field(json, "options", "it"), "seed", "its options");
+  manifest.coordinates = coordinatesIn(json);
   manifest.resolution =
       wholeIn(field(grid, "resolution", "its grid"), 1, kFarthestVoxel, "its resolution");
   const Json& options = field(json, "options", "it");

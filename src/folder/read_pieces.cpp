@@ -71,35 +71,50 @@ std::vector<Fragment> fromVolumes(const fs::path& folder, const ReadOptions& opt
   return fragments;
 }
 
-std::vector<Fragment> fromFolder(const fs::path& folder, const ReadOptions& options) {
+Pieces fromFolder(const fs::path& folder, const ReadOptions& options) {
   FragmentSet set = readFragments(folder, options);
   const bool hasMeshes = std::none_of(set.fragments.begin(), set.fragments.end(),
                                       [](const EvaluatedFragment& f) { return f.name.empty(); });
-  if (!hasMeshes) return fromVolumes(folder, options);
+  if (!hasMeshes) return {fromVolumes(folder, options), set.coordinates};
   std::vector<Fragment> fragments;
   for (EvaluatedFragment& fragment : set.fragments) {
     fragments.push_back(fragmentOf(fragment.mesh.id, std::move(fragment.mesh.mesh)));
   }
-  return fragments;
+  return {std::move(fragments), set.coordinates};
 }
 
 }  // namespace
 
-std::vector<Fragment> readPieces(const fs::path& path, const ReadOptions& options) {
+CoordinateSystem coordinatesOfFile(const fs::path& file, const CoordinateSystem& read) {
+  if (read.unitFrom != CoordinateBasis::format && read.upFrom != CoordinateBasis::format) {
+    return read;
+  }
+  std::error_code error;
+  const std::optional<fs::path> manifest = manifestListing(fs::absolute(file, error));
+  if (!manifest) return read;
+  try {
+    return readManifest(*manifest).coordinates;
+  } catch (const Error&) {  // damaged: the file can be read without it
+    return read;
+  }
+}
+
+Pieces readPieces(const fs::path& path, const ReadOptions& options) {
   requireSettled(path);
   const fs::file_type type = whatIsAt(path);
   if (type == fs::file_type::not_found) inputError(path, "no such file or folder");
   if (type == fs::file_type::directory) return fromFolder(path, options);
   const std::string extension = lowerCase(path.extension().string());
-  if (extension == ".vdb") return fromLevelSets(path, options);
+  if (extension == ".vdb") return {fromLevelSets(path, options), coordinatesOfFile(path, {})};
   if (extension == ".json") {
     (void)readManifest(path);
     const fs::path folder = path.parent_path();
     return fromFolder(folder.empty() ? "." : folder, options);
   }
-  std::vector<Fragment> fragments;
-  fragments.push_back(fragmentOf(1, std::move(readMesh(path, options).mesh)));
-  return fragments;
+  SourceMesh source = readMesh(path, options);
+  Pieces pieces{{}, coordinatesOfFile(path, source.coordinates)};
+  pieces.fragments.push_back(fragmentOf(1, std::move(source.mesh)));
+  return pieces;
 }
 
 }  // namespace sherd

@@ -43,15 +43,6 @@ std::array<double, kCount> numbersOf(const Json& object, const char* key) {
   return numbers;
 }
 
-// The axis that pointed up in images of the fracture; y where none is recorded.
-char axisOf(const Json& options) {
-  const auto found = options.find("up");
-  for (const char* axis : {"x", "z"}) {
-    if (found != options.end() && *found == axis) return *axis;
-  }
-  return 'y';
-}
-
 int idOf(const Json& object, const char* key) {
   const double id = numberOf(object, key);
   return id >= 0.0 && id <= kMaxFragments ? static_cast<int>(id) : 0;
@@ -183,7 +174,7 @@ std::map<int, TriangleMesh> ghostsOf(const std::deque<TriangleMesh>& meshes, int
 // Meshes of level sets, for a fracture without mesh files.
 ReadMeshes levelSetsOf(const fs::path& folder, const ReadOptions& options) {
   ReadMeshes all;
-  for (Fragment& fragment : readPieces(folder, options)) {
+  for (Fragment& fragment : readPieces(folder, options).fragments) {
     all.meshes.push_back(std::move(fragment.mesh));
   }
   return all;
@@ -232,11 +223,10 @@ Viewer viewerOf(const fs::path& path, const ViewerOptions& viewer, const ReadOpt
                              : levelSetsOf(file, options);
   ViewerScene scene;
   scene.title = manifest.source;
-  scene.unit = viewer.unit.empty() ? unitOfFile(manifest.source) : viewer.unit;
-  const Json& recorded = json.at("options");
-  scene.up = viewer.up == '\0' ? axisOf(recorded) : viewer.up;
-  const double density = numberOf(recorded, "density");
-  scene.density = density > 0.0 ? density : 1.0;
+  const double density = numberOf(json.at("options"), "density");
+  setCoordinates(scene, manifest.coordinates, density > 0.0 ? density : 1.0);
+  if (!viewer.unit.empty()) scene.unit = viewer.unit;
+  if (viewer.up != '\0') scene.up = viewer.up;
   scene.splitParents = manifest.splitParents;
   addPieces(scene, json, all);
   scene.materials = std::move(all.materials);

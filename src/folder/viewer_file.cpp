@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/lower_case.h"
 #include "folder/split_parents.h"
+#include "mesh/coordinate_system.h"
 #include "viewer/page.h"
 
 namespace sherd {
@@ -43,12 +43,12 @@ std::vector<ViewerScene::Material> materialsOf(const MaterialTable& table) {
 
 }  // namespace
 
-std::string unitOfFile(const std::string& name) {
-  const std::string lower = lowerCase(name);
-  const auto isOf = [&](const char* ending) {
-    return lower.ends_with(ending) || lower.ends_with(std::string(ending) + ".gz");
-  };
-  return isOf(".glb") || isOf(".gltf") ? "m" : "";
+void setCoordinates(ViewerScene& scene, const CoordinateSystem& coordinates, double density) {
+  const LengthUnit* const unit = unitOf(coordinates.metersPerUnit);
+  scene.unit = unit != nullptr ? unit->name : "";
+  scene.up = coordinates.up;
+  const double meters = coordinates.metersPerUnit;
+  scene.density = density == 1.0 ? 1.0 : density * meters * meters * meters;
 }
 
 std::vector<std::string> writeViewer(const OutputFile& file, const FractureWriter& writer,
@@ -57,9 +57,7 @@ std::vector<std::string> writeViewer(const OutputFile& file, const FractureWrite
                                      std::uint64_t maxBytes, const Progress* progress) {
   ViewerScene scene;
   scene.title = writer.source().name;
-  scene.unit = unitOfFile(writer.source().name);
-  scene.up = writer.options().up;
-  scene.density = writer.options().density;
+  setCoordinates(scene, writer.coordinates(), writer.options().density);
   scene.materials = materialsOf(writer.materials());
   for (std::size_t i = 0; i < writer.materials().baseColorTextures(); ++i) {
     const MaterialTable::Image& image = writer.materials().textures[i];

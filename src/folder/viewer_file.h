@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "folder/fracture_files.h"
+#include "viewer/scene.h"
 
 namespace sherd {
 
@@ -22,7 +23,8 @@ std::vector<std::string> writeViewer(const OutputFile& file, const FractureWrite
                                      std::span<const SurfaceAttributes> attributes,
                                      std::uint64_t maxBytes, const Progress* progress);
 
-/// Returns the unit of a mesh's lengths, where the format of its file has one: "m" for glTF.
-[[nodiscard]] std::string unitOfFile(const std::string& name);
+/// Sets the unit, the upward axis and the density of a scene.
+///   density  kilograms per cubic meter; 1: not given
+void setCoordinates(ViewerScene& scene, const CoordinateSystem& coordinates, double density);
 
 }  // namespace sherd

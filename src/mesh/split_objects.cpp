@@ -38,6 +38,7 @@ std::vector<SourceMesh> splitObjects(const SourceMesh& source) {
     out.name = source.name;
     out.stem = source.stem;
     out.sha256 = source.sha256;
+    out.coordinates = source.coordinates;
     out.objects = {source.objects[object]};
     out.objectOfTriangle.assign(triangles.size(), 0);
     out.polygons = facesOf(source, triangles);

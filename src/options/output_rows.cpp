@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/option_names.h"
+#include "mesh/coordinate_system.h"
 #include "options/parsed.h"
 #include "options/rows.h"
 
@@ -38,6 +39,37 @@ OptionValue<RunOptions> usdFormats() {
     set(o, text);
   };
   return value;
+}
+
+void setUp(RunOptions& o, const std::string& text) {
+  o.write.up.reset();
+  const std::size_t index = indexOf(text, {"auto", "x", "y", "z"});
+  if (index > 0) o.write.up = "xyz"[index - 1];
+}
+
+std::string upText(R o) { return o.write.up ? std::string(1, *o.write.up) : "auto"; }
+
+std::vector<std::string> unitChoices() {
+  std::vector<std::string> choices{"auto"};
+  for (const LengthUnit& unit : kLengthUnits) choices.emplace_back(unit.name);
+  return choices;
+}
+
+void setUnit(RunOptions& o, const std::string& text) {
+  o.write.metersPerUnit = metersOf(text);
+  if (text == "auto" || o.write.metersPerUnit) return;
+  const std::optional<double> meters = numberIn(text);
+  if (!meters || !isUnit(*meters)) {
+    refuseValue(text, "one of " + joinedText(unitChoices(), ", ") +
+                          ", or a number of meters above 0, from 1e-30 to 1e30");
+  }
+  o.write.metersPerUnit = exactUnit(*meters);
+}
+
+std::string unitText(R o) {
+  if (!o.write.metersPerUnit) return "auto";
+  const LengthUnit* const known = unitOf(*o.write.metersPerUnit);
+  return known != nullptr ? known->name : shortestText(*o.write.metersPerUnit);
 }
 
 bool writesUsd(R o) { return o.write.usd; }
@@ -130,9 +162,9 @@ const Row kFileRows[]{
     {.name = "density",
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::density, aboveZero()),
-     .help = "Mass per unit of volume, for masses and inertia in .vdb files and scenes",
-     .details = "mass per unit volume: for mass and inertia in `.vdb` files, `scene.glb`, "
-                "`scene.usda` and `graph.json`",
+     .help = "Kilograms per cubic meter, for masses and inertia in .vdb files and scenes",
+     .details = "kilograms per cubic meter, by `--unit`: for mass and inertia in `.vdb` files, "
+                "`scene.glb`, `scene.usda` and `graph.json`",
      .key = "density",
      .recorded = [](R o) { return o.write.density != 1.0; }},
     {.name = "proxy-gap",
@@ -160,19 +192,12 @@ const Row kFileRows[]{
                 "until shown",
      .key = "usd.volumes",
      .recorded = writesUsd},
-    {.name = "meters-per-unit",
-     .group = "Files for hosts",
-     .value = V::number(kWrite, &WriteOptions::metersPerUnit, aboveZero()),
-     .help = "Meters in the mesh's unit, for scene.usda",
-     .details = "meters in the mesh's unit, recorded in `scene.usda`; coordinates stay as they are",
-     .key = "usd.meters_per_unit",
-     .recorded = writesUsd},
     {.name = "joint-strength",
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::jointStrength, aboveZero()),
-     .help = "Force that breaks a joint of a scene or of graph.geo, per unit of its contact's area",
-     .details = "force that breaks a joint of `scene.glb`, `scene.usda` or `graph.geo`, per unit "
-                "of its contact's area: a tensile strength in the scene's units",
+     .help = "Newtons per square meter of a contact that break its joint in a scene or graph.geo",
+     .details = "newtons per square meter of a contact, by `--unit`, that break its joint in "
+                "`scene.glb`, `scene.usda` or `graph.geo`: a tensile strength in pascals",
      .key = "joint_strength",
      .recorded =
          [](R o) { return o.write.scene || o.write.usd || o.write.graph || o.write.houdini; }},
@@ -275,18 +300,29 @@ const Row kFileRows[]{
      .recorded = [](R o) { return o.write.mesh && o.write.sourceFaces; }},
     {.name = "up",
      .group = "",
-     .value = {OptionType::choice,
-               "",
-               {"x", "y", "z"},
-               [](RunOptions& o, const std::string& text) {
-                 o.write.up = "xyz"[indexOf(text, {"x", "y", "z"})];
-               },
-               [](R o) { return std::string(1, o.write.up); }},
-     .help = "The mesh's axis that points up in the preview, the viewer and scene.usda",
-     .details = "the mesh's axis that points up in `preview.png` and `viewer.html`, and in "
-                "`scene.usda`, where it is `y` or `z`",
+     .value = {OptionType::choice, "", {"auto", "x", "y", "z"}, setUp, upText},
+     .help = "The mesh's axis that points up in images, the viewer and scenes; auto: as the file "
+             "says, else z in .stl, .off and .3mf, y in others",
+     .details =
+         "the mesh's axis that points up in `preview.png`, `viewer.html` and scenes; `auto`: "
+         "as the file says (glTF, FBX, DAE), else `z` in `.stl`, `.off` and `.3mf`, `y` in "
+         "others. Coordinates stay as they are ([formats.md](formats.md#units-and-axes))",
      .key = "up",
-     .recorded = [](R o) { return o.write.preview || o.write.viewer || o.write.usd; }},
+     .recorded = [](R o) { return o.write.up.has_value(); }},
+    {.name = "unit",
+     .group = "",
+     .value = {OptionType::number, "> 0", unitChoices(), setUnit, unitText},
+     .help =
+         "The mesh's unit of length, by a name or in meters, for scenes and masses; auto: as the "
+         "file says, else mm in .stl, .off and .3mf, m in others",
+     .details =
+         "the mesh's unit of length, by a name or in meters: scenes have the object in its "
+         "size, and masses are those of it; `auto`: as the file says (glTF, FBX, DAE, 3MF), "
+         "else `mm` in `.stl`, `.off` and `.3mf`, `m` in others. Coordinates stay as they are "
+         "([formats.md](formats.md#units-and-axes))",
+     .key = "unit",
+     .recorded = [](R o) { return o.write.metersPerUnit.has_value(); },
+     .unit = "meters"},
 };
 
 // Passes of smoothing, in a field of its own once the size of the solid is known.

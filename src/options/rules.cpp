@@ -366,7 +366,7 @@ std::vector<Rule> usdRules() {
          return !writes(o, {"scene", "usd", "graph", "houdini"});
        },
        "does nothing without scene, usd, graph or houdini in {write}"},
-      {{"usd-format", "usd-volumes", "meters-per-unit"},
+      {{"usd-format", "usd-volumes"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"usd"}); },
        "does nothing without usd in {write}"},
@@ -377,16 +377,6 @@ std::vector<Rule> usdRules() {
          return writes(o, {"usd"}) && (!hasFiles || !hasFormat(o, UsdFormat::usda));
        },
        "does nothing without vdb in {write}, a file for each fragment, and usda in {usd-format}"},
-      {{"up"},
-       Verdict::idle,
-       [](O o, U u) {
-         return !u.isDataset && !writes(o, {"preview", "viewer", "usd"});
-       },
-       "does nothing without preview, viewer or usd in {write}"},
-      {{"up"},
-       Verdict::conflict,
-       [](O o, U) { return writes(o, {"usd"}) && o.write.up == 'x'; },
-       "x cannot point up in USD's scenes, which {write} names; choose y or z"},
   };
 }
 

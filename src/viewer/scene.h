@@ -45,7 +45,7 @@ struct ViewerScene {
   std::string title;  ///< untrusted, not necessarily UTF-8
   std::string unit;   ///< of length; empty: not known
   char up = 'y';
-  double density = 1.0;
+  double density = 1.0;  ///< kilograms per cubic unit; 1: masses are not shown
   std::vector<ViewerPiece> pieces;
   std::vector<int> splitParents;    ///< as FragmentSet::splitParents
   std::vector<Material> materials;  ///< to which attributes refer; empty: none

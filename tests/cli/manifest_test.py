@@ -65,7 +65,7 @@ class Manifests(CommandLine):
 
         self.assertEqual(manifests.faults_of(self.manifest), [])
         optional = {"mesh_precision", "rounded_crossings", "report", "resolution", "fill", "vdb", "mesh", "plain_meshes", "up", "file_vertices", "vertices", "triangles",
-                    "degenerate_triangles", "thinnest_voxels", "resolution_to_hold"}
+                    "degenerate_triangles", "thinnest_voxels", "resolution_to_hold", "name"}
         for keys in objects(self.manifest):
             more = self.changed(lambda manifest: at(manifest, keys).update(foreign=1))
             self.assertNotEqual(manifests.faults_of(more), [], keys)

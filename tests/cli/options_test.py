@@ -532,7 +532,7 @@ MATTERS = {
     "--vdb-compress": (("--write", "vdb"), "blosc", "none"), "--density": (("--write", "graph"), "1", "2"),
     "--proxy-gap": (("--write", "proxy"), "0", "0.1"), "--usd-format": (("--write", "usd"), "usda", "usdz"),
     "--usd-volumes": (("--write", "usd,vdb"), None, ()), "--joint-strength": (("--write", "usd"), "1", "2"),
-    "--meters-per-unit": (("--write", "usd"), "1", "0.01"),
+    "--unit": (("--write", "usd"), "m", "0.01"),
     **{f"--erode-{name}": (("--erode-iterations", "1"), one, other) for name, one, other in (
         ("shape", "cross", "square"), ("size", "3", "5"), ("planes", None, ()), ("threshold", "1", "0.9"), ("probability", "1", "0.9"),
         ("on", "fracture", "all"), ("islands", "erode", "keep"))},

@@ -14,7 +14,7 @@ from conftest import AMPHORA, cube
 import pysherd
 from pysherd import _core
 
-BEGIN = b"sherd\0\0\2"  # of each state
+BEGIN = b"sherd\0\0\3"  # of each state
 SUM = 4  # bytes of its checksum
 
 BOX = """mtllib box.mtl

@@ -194,8 +194,8 @@ TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
 TEST_F(ManifestOptions, OfFilesAreRecorded) {
   auto& [labels, vdb, mesh, preview, seeds, boundaries, cost, solid, scene, graph, viewer, usd,
          houdini, plainMeshes, proxy, vdbFiles, vdbOptions, density, proxyGap, voxelFormats,
-         meshFormats, usdFormats, usdVolumes, jointStrength, metersPerUnit, points, sharePoints,
-         pointFormats, samplingMemory, distances, correspondences, precision, sourceFaces, offset,
+         meshFormats, usdFormats, usdVolumes, jointStrength, points, sharePoints, pointFormats,
+         samplingMemory, distances, correspondences, precision, sourceFaces, offset, metersPerUnit,
          up] = write_;
   // Which files there are is in the list of files, their formats in their names.
   for (bool* file : {&labels, &seeds, &boundaries, &cost, &solid, &viewer}) {
@@ -207,7 +207,7 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   expectNotRecorded("usdFormats", usdFormats, {UsdFormat::usdz});
   expectRecorded("usdVolumes", usdVolumes, true);
   expectRecorded("jointStrength", jointStrength, 2.0);
-  expectRecorded("metersPerUnit", metersPerUnit, 0.01);
+  expectRecorded("metersPerUnit", metersPerUnit, {0.01});
 
   vdb = mesh = preview = true;
   expectRecorded("plainMeshes", plainMeshes, true);
@@ -218,7 +218,7 @@ TEST_F(ManifestOptions, OfFilesAreRecorded) {
   expectRecorded("vdbFiles", vdbFiles, VdbFiles::single);
   expectRecorded("density", density, 2.0);
   expectRecorded("correspondences", correspondences, std::size_t{5});
-  expectRecorded("up", up, 'z');
+  expectRecorded("up", up, {'z'});
   expectRecorded("proxy", proxy, true);
   proxy = true;
   expectRecorded("proxyGap", proxyGap, 0.1);

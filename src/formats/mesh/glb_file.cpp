@@ -9,6 +9,7 @@
 
 #include "base/little_endian.h"
 #include "base/version.h"
+#include "formats/mesh/gltf_root.h"
 
 namespace sherd {
 namespace {
@@ -40,6 +41,7 @@ std::size_t GlbFile::accessor(std::size_t view, int componentType, std::size_t c
 
 GlbFile::Json GlbFile::document(const std::vector<std::size_t>& roots) {
   Json json = {{"asset", {{"version", "2.0"}, {"generator", "Sherd " SHERD_VERSION}}}};
+  json["asset"].update(asset_);
   if (!extensionsUsed.empty()) json["extensionsUsed"] = extensionsUsed;
   if (!extensions.empty()) json["extensions"] = std::move(extensions);
   json["scene"] = 0;
@@ -59,7 +61,15 @@ GlbFile::Json GlbFile::document(const std::vector<std::size_t>& roots) {
   return json;
 }
 
-void GlbFile::write(const OutputFile& file, const std::vector<std::size_t>& roots) {
+void GlbFile::write(const OutputFile& file, std::vector<std::size_t> roots,
+                    const CoordinateSystem& coordinates, const std::string& name) {
+  if (!isOfGltf(coordinates)) {
+    Json root = {{"name", name}, {"children", roots}};
+    root.update(rootTransform(coordinates));
+    asset_ = {{"extras", assetExtras(coordinates)}};
+    roots = {nodes.size()};
+    nodes.push_back(std::move(root));
+  }
   std::string text = document(roots).dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::size_t length = 12 + 8 + text.size() + 8 + bytes.size();

@@ -31,10 +31,13 @@ struct GlbFile {
   /// Adds an accessor of a whole view.
   std::size_t accessor(std::size_t view, int componentType, std::size_t count, const char* type);
 
-  /// Writes the file with one scene.
+  /// Writes the file with one scene: where the coordinates are not glTF's, below a node that
+  /// converts them.
   ///   roots   nodes without a parent
+  ///   name    of that node
   ///   throws  Error(output), also if it would have 2^32 bytes or more
-  void write(const OutputFile& file, const std::vector<std::size_t>& roots);
+  void write(const OutputFile& file, std::vector<std::size_t> roots,
+             const CoordinateSystem& coordinates, const std::string& name);
 
   std::string bytes;  ///< of the BIN chunk
   Json nodes = Json::array(), meshes = Json::array(), materials = Json::array(),
@@ -45,6 +48,8 @@ struct GlbFile {
 
  private:
   Json document(const std::vector<std::size_t>& roots);
+
+  Json asset_ = Json::object();
 
   std::size_t from_ = 0;
 };

@@ -55,7 +55,8 @@ void writeMeshFile(FileSink& files, const fs::path& file, const SourceMesh& sour
   }
   const MaterialTable table = materialTable(source.appearance);
   const std::string name = withoutBlanks(safeName(file.stem().string(), "mesh"));
-  const PieceMesh piece{name, source.mesh, attributes, table, isDouble};
+  PieceMesh piece{name, source.mesh, attributes, table, isDouble};
+  piece.coordinates = source.coordinates;
   if (format == MeshFileFormat::obj || format == MeshFileFormat::ply) {
     for (const MaterialTable::Image& image : table.textures) {
       writeBeside(files, file.parent_path() / image.file, image.bytes);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ struct RawMesh {
   std::vector<std::string> warnings;            ///< see SourceMesh
   std::vector<float> values{};  ///< [vertices] of MeshFile::attribute; empty if the file has none
   std::vector<std::string> valueNames{};  ///< of the attributes that could be read, if one is given
+  std::optional<double> metersPerUnit{};  ///< above 0; none: the file does not say
+  std::optional<char> up{};               ///< 'x', 'y' or 'z'; none: the file does not say
 };
 
 /// An error about a file's content: "bowl.stl: what".

@@ -1,9 +1,10 @@
 // A reader's result as bytes that two programs of one build exchange.
 //
-//   "sherd mesh 2"  arrays and texts one after another  "end"
+//   "sherd mesh 3"  arrays and texts one after another  "end"
 //   an array: 8 bytes, its length; then its elements as in memory
 #include "formats/mesh/mesh_stream.h"
 
+#include <cmath>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
@@ -14,7 +15,8 @@
 namespace sherd {
 namespace {
 
-constexpr std::string_view kBegin = "sherd mesh 2", kEnd = "end";
+constexpr std::string_view kBegin = "sherd mesh 3", kEnd = "end";
+constexpr double kNotSaid = 0.0;  // of the meters per unit
 constexpr std::size_t kCount = ByteSource::kCountBytes;
 
 template <class Element>
@@ -59,6 +61,8 @@ std::string streamOf(const RawMesh& mesh) {
   put(out, mesh.objectOfTriangle);
   put(out, mesh.polygons);
   put(out, mesh.warnings);
+  put(out, std::vector<double>{mesh.metersPerUnit.value_or(kNotSaid)});
+  put(out, std::vector<char>{mesh.up.value_or('\0')});
   return out.append(kEnd);
 }
 
@@ -87,6 +91,12 @@ std::optional<RawMesh> meshFromStream(std::string_view stream, MemoryBudget* mem
   source.take(mesh.objectOfTriangle);
   source.take(mesh.polygons);
   source.take(mesh.warnings);
+  double metersPerUnit = kNotSaid;
+  char up = '\0';
+  source.takeOne(metersPerUnit);
+  source.takeOne(up);
+  if (std::isfinite(metersPerUnit) && metersPerUnit > 0.0) mesh.metersPerUnit = metersPerUnit;
+  if (up >= 'x' && up <= 'z') mesh.up = up;
   if (!source.isAt(kEnd) || contradictionIn(mesh)) return std::nullopt;
   return mesh;
 }

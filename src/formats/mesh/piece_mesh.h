@@ -29,6 +29,7 @@ struct PieceMesh {
   bool isDouble = false;  ///< writes vertices in double precision, in PLY, OBJ and text STL
   const PieceInput* input = nullptr;  ///< null: polygons and objects of the input are not written
   std::span<const std::int32_t> sourceFaces{};  ///< [triangles] see sourceFaces, or empty; in PLY
+  CoordinateSystem coordinates{};               ///< of `mesh`; in glTF
 
   /// Returns the normal of a triangle's corner if `attributes` have one, else zero.
   [[nodiscard]] glm::vec3 normalOf(std::size_t triangle, std::size_t corner) const {
@@ -103,7 +104,8 @@ void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::st
 /// Writes PLY, OBJ and binary glTF with vertices and triangles only.
 void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
 void writePlainObj(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
-void writePlainGlb(const OutputFile& file, const std::string& name, const TriangleMesh& mesh);
+void writePlainGlb(const OutputFile& file, const std::string& name, const TriangleMesh& mesh,
+                   const CoordinateSystem& coordinates);
 
 /// Writes binary STL: triangles with their normals only.
 void writePieceStl(const OutputFile& file, const PieceMesh& piece);
@@ -121,7 +123,7 @@ void writePiece(const OutputFile& file, MeshFileFormat format, const PieceMesh& 
                 const std::string& library);
 
 /// Writes binary glTF 2.0 with embedded PNG and JPEG textures: one node with one mesh, see
-/// addGlbMesh.
+/// addGlbMesh, below one that converts coordinates to glTF's where they are not.
 void writePieceGlb(const OutputFile& file, const PieceMesh& piece);
 
 }  // namespace sherd

@@ -26,6 +26,7 @@
 #include "base/unfinished.h"
 #include "formats/mesh/beside.h"
 #include "formats/mesh/mesh_stream.h"
+#include "formats/mesh/stated_coordinates.h"
 
 extern char** environ;
 
@@ -251,6 +252,7 @@ RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
   std::optional<RawMesh> mesh = meshFromStream(*answer, file.memory);
   if (!mesh) throw refuse("gave an invalid answer");
   for (std::string& warning : mesh->warnings) warning = file.name + ": " + warning;
+  setStatedCoordinates(file, *mesh);
   readTextures(file, *mesh);
   return std::move(*mesh);
 }

@@ -15,6 +15,7 @@
 #include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_document.h"
 #include "formats/mesh/gltf_primitive.h"
+#include "formats/mesh/gltf_root.h"
 #include "formats/mesh/normals.h"
 
 namespace sherd {
@@ -168,15 +169,27 @@ struct MeshNode {
   Affine world;
 };
 
-// Returns the nodes with a mesh, each once, in depth-first order of the default scene.
-std::vector<MeshNode> findMeshNodes(const GltfDocument& document) {
-  std::vector<std::size_t> roots = rootsOf(document);
+// Returns the nodes of the default scene.
+std::vector<std::size_t> sceneNodes(const GltfDocument& document) {
   const Json& scenes = document.array("scenes");
   for (const Json& scene : scenes) (void)indicesOf(document, scene, "nodes");
-  if (!scenes.empty()) {
-    const std::size_t scene = document.number(document.root(), "scene");
-    roots = indicesOf(document, document.at("scenes", scene), "nodes");
-  }
+  if (scenes.empty()) return rootsOf(document);
+  const std::size_t scene = document.number(document.root(), "scene");
+  return indicesOf(document, document.at("scenes", scene), "nodes");
+}
+
+// Returns the coordinates of the input that a file of ours holds below its root node.
+std::optional<CoordinateSystem> ownCoordinates(const GltfDocument& document) {
+  const std::vector<std::size_t> roots = sceneNodes(document);
+  if (roots.size() != 1) return {};
+  return coordinatesBelow(GltfDocument::member(document.root(), "asset"),
+                          document.at("nodes", roots.front()));
+}
+
+// Returns the nodes with a mesh, each once, in depth-first order of the default scene.
+//   isOwn  the root's transform is that of ownCoordinates, and is not applied
+std::vector<MeshNode> findMeshNodes(const GltfDocument& document, bool isOwn) {
+  const std::vector<std::size_t> roots = sceneNodes(document);
   struct Visit {
     std::size_t node;
     Affine parent;
@@ -191,7 +204,9 @@ std::vector<MeshNode> findMeshNodes(const GltfDocument& document) {
     if (seen[visit.node]) continue;
     seen[visit.node] = true;
     const Json& node = document.at("nodes", visit.node);
-    const Affine world = visit.parent * localOf(document, node);
+    const Affine local = localOf(document, node);
+    const bool isRoot = isOwn && visit.node == roots.front();
+    const Affine world = isRoot ? Affine{} : visit.parent * local;
     if (node.contains("mesh")) out.push_back({visit.node, document.number(node, "mesh"), world});
     const std::vector<std::size_t> children = indicesOf(document, node, "children");
     for (auto child = children.rbegin(); child != children.rend(); ++child)
@@ -202,7 +217,8 @@ std::vector<MeshNode> findMeshNodes(const GltfDocument& document) {
 
 struct Reader {
   const GltfDocument& document;
-  std::vector<MeshNode> meshNodes = findMeshNodes(document);
+  std::optional<CoordinateSystem> below = ownCoordinates(document);
+  std::vector<MeshNode> meshNodes = findMeshNodes(document, below.has_value());
   std::vector<std::optional<std::vector<GltfPrimitive>>> meshes{document.array("meshes").size()};
   std::size_t pointsAndLines = 0;
   bool hasTexcoords = false, hasColors = false, hasNormals = false, hasValues = false;
@@ -378,6 +394,8 @@ struct Reader {
     makeRoom();
     appendNodes();
     warn();
+    out.metersPerUnit = below ? below->metersPerUnit : 1.0;  // as glTF is defined
+    out.up = below ? below->up : 'y';
     return std::move(out);
   }
 };

@@ -33,6 +33,7 @@
 #include "formats/mesh/read_off.h"
 #include "formats/mesh/read_ply.h"
 #include "formats/mesh/read_stl.h"
+#include "mesh/coordinate_system.h"
 
 namespace sherd {
 namespace {
@@ -177,6 +178,37 @@ RawMesh readRaw(const MeshFile& file) {
   return {};
 }
 
+// What coordinates mean where a file does not say.  Programs for printing and machining use the
+// first three; the definition of 3MF has z up.
+struct FormatCoordinates {
+  MeshFormat format;
+  double metersPerUnit;
+  char up;
+};
+constexpr FormatCoordinates kCoordinates[] = {
+    {MeshFormat::stl, 0.001, 'z'}, {MeshFormat::off, 0.001, 'z'}, {MeshFormat::threeMf, 0.001, 'z'},
+    {MeshFormat::obj, 1.0, 'y'},   {MeshFormat::ply, 1.0, 'y'},   {MeshFormat::gltf, 1.0, 'y'},
+    {MeshFormat::glb, 1.0, 'y'},   {MeshFormat::binm, 1.0, 'y'},  {MeshFormat::fbx, 1.0, 'y'},
+    {MeshFormat::dae, 1.0, 'y'}};
+
+CoordinateSystem coordinatesOf(const RawMesh& raw, MeshFormat format) {
+  CoordinateSystem coordinates;
+  for (const FormatCoordinates& usual : kCoordinates) {
+    if (usual.format != format) continue;
+    coordinates.metersPerUnit = usual.metersPerUnit;
+    coordinates.up = usual.up;
+  }
+  if (raw.metersPerUnit && isUnit(*raw.metersPerUnit)) {
+    coordinates.metersPerUnit = exactUnit(*raw.metersPerUnit);
+    coordinates.unitFrom = CoordinateBasis::file;
+  }
+  if (raw.up) {
+    coordinates.up = *raw.up;
+    coordinates.upFrom = CoordinateBasis::file;
+  }
+  return coordinates;
+}
+
 bool isFinite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -234,11 +266,13 @@ SourceMesh meshOf(const fs::path& path, std::string bytes, MemoryBudget& memory,
       startedTask([&] { return sha256(name.packed ? bytes : file.bytes); });
   RawMesh raw = checkedRaw(file);
   completeNormals(raw);
+  const CoordinateSystem coordinates = coordinatesOf(raw, file.format);
 
   memory.charge(mergingMemory(raw));
   checkpoint(file);
   SourceMesh out = mergeVertices(std::move(raw), &memory);
   checkMerged(file, out);
+  out.coordinates = coordinates;
   out.name = file.name;
   out.stem = name.stem.string();
   out.sha256 = hash.get();

@@ -31,12 +31,22 @@ struct FragmentScene {
   std::vector<ScenePiece> pieces{};          ///< ids 1, 2, ...; they share one table of materials
   std::vector<std::size_t> parentOfSplit{};  ///< [splits] number of the split that it comes from,
                                              ///< below its own; 0: none
-  std::string textureFolder{};  ///< relative to the scene's file, with a slash, or empty
-  double density = 1.0;         ///< mass per unit of volume
-  double strength = 1.0;        ///< break force of a joint per unit of its contact's area
-  double metersPerUnit = 1.0;
-  char up = 'y';       ///< or 'z'
+  std::string textureFolder{};     ///< relative to the scene's file, with a slash, or empty
+  double density = 1.0;            ///< kilograms per cubic meter
+  double strength = 1.0;           ///< newtons per square meter of a contact that break its joint
+  CoordinateSystem coordinates{};  ///< of the meshes, masses and contacts
   bool plain = false;  ///< in glTF: meshes have vertices and triangles only, no materials
+
+  /// Kilograms per cubic unit of the coordinates.
+  [[nodiscard]] double densityOfUnits() const {
+    const double m = coordinates.metersPerUnit;
+    return density * m * m * m;
+  }
+  /// Newtons per square unit.
+  [[nodiscard]] double strengthOfUnits() const {
+    const double m = coordinates.metersPerUnit;
+    return strength * m * m;
+  }
 };
 
 /// Levels deeper than this are one with it.

@@ -19,9 +19,10 @@ constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 Json jsonOfVector(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 // The extension's schema has no mass or inertia of 0: an engine derives them from the collider.
-Json motionOf(const MassProperties& mass, double density) {
+//   density  kilograms per cubic unit; moments of inertia are in kilograms and meters
+Json motionOf(const MassProperties& mass, double density, double metersPerUnit) {
   const PrincipalInertia inertia = principalInertia(mass);
-  const glm::dvec3 moments = density * inertia.moments;
+  const glm::dvec3 moments = density * metersPerUnit * metersPerUnit * inertia.moments;
   const glm::dquat& rotation = inertia.orientation;
   Json motion = {{"centerOfMass", jsonOfVector(glm::dvec3(0.0))}};
   if (mass.volume > 0.0) motion["mass"] = density * mass.volume;
@@ -46,7 +47,7 @@ class SceneWriter {
     addSplits();
     addJoints();
     file_.extensionsUsed.insert(kPhysics);
-    file_.write(file, nodesOf(levels_[0]));
+    file_.write(file, nodesOf(levels_[0]), scene_.coordinates, scene_.name);
   }
 
  private:
@@ -57,12 +58,14 @@ class SceneWriter {
                                  ? addPlainGlbMesh(file_, piece.name, piece.mesh, own.mass.centroid)
                                  : addGlbMesh(file_, materials_, piece, own.mass.centroid);
     const Json collider = {{"geometry", {{"node", file_.nodes.size()}, {"convexHull", true}}}};
-    file_.nodes.push_back(
-        {{"name", own.piece.name},
-         {"mesh", mesh},
-         {"translation", jsonOfVector(own.mass.centroid)},
-         {"extensions",
-          {{kPhysics, {{"motion", motionOf(own.mass, scene_.density)}, {"collider", collider}}}}}});
+    file_.nodes.push_back({{"name", own.piece.name},
+                           {"mesh", mesh},
+                           {"translation", jsonOfVector(own.mass.centroid)},
+                           {"extensions",
+                            {{kPhysics,
+                              {{"motion", motionOf(own.mass, scene_.densityOfUnits(),
+                                                   scene_.coordinates.metersPerUnit)},
+                               {"collider", collider}}}}}});
   }
 
   // Returns the nodes of what is directly below a split, or the whole.
@@ -100,7 +103,7 @@ class SceneWriter {
       Json node = frame(joint.one, joint.other, *joint.contact);
       node["extensions"] = {{kPhysics, {{"joint", {{"connectedNode", first + 1}, {"joint", 0}}}}}};
       node["extras"] = {{"area", joint.contact->area},
-                        {"breakForce", jointStrength(*joint.contact, scene_.strength)}};
+                        {"breakForce", jointStrength(*joint.contact, scene_.strengthOfUnits())}};
       file_.nodes.push_back(std::move(node));
       file_.nodes.push_back(frame(joint.other, joint.one, *joint.contact));
       file_.nodes[joint.one]["children"].push_back(first);

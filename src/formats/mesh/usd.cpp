@@ -55,13 +55,17 @@ class Layer {
     text_.line("    defaultPrim = \"" + root_ + "\"");
     text_.line("    doc = " + usdString("Fragments, by Sherd " SHERD_VERSION));
     text_.line("    " + usdNumber("kilogramsPerUnit", 1.0));
-    text_.line("    " + usdNumber("metersPerUnit", scene_.metersPerUnit));
-    text_.line(scene_.up == 'z' ? "    upAxis = \"Z\"" : "    upAxis = \"Y\"");
+    text_.line("    " + usdNumber("metersPerUnit", scene_.coordinates.metersPerUnit));
+    text_.line(scene_.coordinates.up == 'z' ? "    upAxis = \"Z\"" : "    upAxis = \"Y\"");
     text_.line(")");
     text_.line("");
     text_.open("def Xform", root_,
                "\n    kind = \"component\"\n    variants = {\n        string preview = \"whole\"\n"
                "    }\n    prepend variantSets = \"preview\"\n");
+    if (scene_.coordinates.up == 'x') {  // no axis of USD's: rotated to y
+      text_.line("quatf xformOp:orient = (0.5, 0.5, 0.5, 0.5)");
+      text_.line("uniform token[] xformOpOrder = [\"xformOp:orient\"]");
+    }
     materials();
     text_.open("def Xform", "pieces");
     children(0, "/" + root_ + "/pieces");
@@ -108,10 +112,10 @@ class Layer {
                "\n    prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsMassAPI\"]\n");
     text_.line("point3f physics:centerOfMass = (0, 0, 0)");
     text_.line("float3 physics:diagonalInertia = " +
-               usdVector(glm::vec3(single(scene_.density * inertia.moments.x),
-                                   single(scene_.density * inertia.moments.y),
-                                   single(scene_.density * inertia.moments.z))));
-    text_.line(usdNumber("float physics:mass", single(scene_.density * own.mass.volume)));
+               usdVector(glm::vec3(single(scene_.densityOfUnits() * inertia.moments.x),
+                                   single(scene_.densityOfUnits() * inertia.moments.y),
+                                   single(scene_.densityOfUnits() * inertia.moments.z))));
+    text_.line(usdNumber("float physics:mass", single(scene_.densityOfUnits() * own.mass.volume)));
     text_.line("quatf physics:principalAxes = " + usdRotation(inertia.orientation));
     text_.line("double3 xformOp:translate = " + usdVector(own.mass.centroid));
     text_.line("double3 xformOp:translate:apart");  // a value here would hide the variants'
@@ -157,12 +161,18 @@ class Layer {
     text_.line("rel physics:body0 = <" + paths_[one] + ">");
     text_.line("rel physics:body1 = <" + paths_[other] + ">");
     text_.line(usdNumber("float physics:breakForce",
-                         static_cast<float>(jointStrength(contact, scene_.strength))));
+                         static_cast<float>(jointStrength(contact, forceOfUnits()))));
     text_.line("point3f physics:localPos0 = " + local(one));
     text_.line("point3f physics:localPos1 = " + local(other));
     text_.line("quatf physics:localRot0 = (1, 0, 0, 0)");
     text_.line("quatf physics:localRot1 = (1, 0, 0, 0)");
     text_.close();
+  }
+
+  // Forces are in kilograms, seconds and units of length: newtons are that many by the meters of
+  // one.
+  [[nodiscard]] double forceOfUnits() const {
+    return scene_.strengthOfUnits() / scene_.coordinates.metersPerUnit;
   }
 
   void variants() {
