@@ -61,15 +61,15 @@ struct WriteOptions {
 
   VdbFiles vdbFiles = VdbFiles::files;  ///< fragments/STEM_001.vdb, fragments.vdb, or both
   VdbOptions vdbOptions{};
-  double density = 1.0;   ///< kilograms per cubic meter, above 0
-  double proxyGap = 0.0;  ///< `gap` of writeProxy, at least 0
+  double density = 1000.0;  ///< kilograms per cubic meter, above 0
+  double proxyGap = 0.0;    ///< `gap` of writeProxy, at least 0
 
   std::vector<VoxelFormat> voxelFormats{VoxelFormat::rle};       ///< not empty, no duplicates
   std::vector<MeshFileFormat> meshFormats{MeshFileFormat::ply};  ///< not empty, no duplicates
 
   std::vector<UsdFormat> usdFormats{UsdFormat::usda};  ///< not empty, no duplicates
   bool usdVolumes = false;     ///< with `vdb`: scene.usda refers to the level sets
-  double jointStrength = 1.0;  ///< newtons per square meter of a contact that break its joint in a
+  double jointStrength = 1e5;  ///< newtons per square meter of a contact that break its joint in a
                                ///< scene or graph.geo, above 0
 
   PointOptions points{};     ///< points/STEM_001.ply if count > 0; `seed` must be 0: each

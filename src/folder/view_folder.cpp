@@ -224,7 +224,7 @@ Viewer viewerOf(const fs::path& path, const ViewerOptions& viewer, const ReadOpt
   ViewerScene scene;
   scene.title = manifest.source;
   const double density = numberOf(json.at("options"), "density");
-  setCoordinates(scene, manifest.coordinates, density > 0.0 ? density : 1.0);
+  setCoordinates(scene, manifest.coordinates, density > 0.0 ? density : WriteOptions().density);
   if (!viewer.unit.empty()) scene.unit = viewer.unit;
   if (viewer.up != '\0') scene.up = viewer.up;
   scene.splitParents = manifest.splitParents;

@@ -48,7 +48,7 @@ void setCoordinates(ViewerScene& scene, const CoordinateSystem& coordinates, dou
   scene.unit = unit != nullptr ? unit->name : "";
   scene.up = coordinates.up;
   const double meters = coordinates.metersPerUnit;
-  scene.density = density == 1.0 ? 1.0 : density * meters * meters * meters;
+  scene.density = density * meters * meters * meters;
 }
 
 std::vector<std::string> writeViewer(const OutputFile& file, const FractureWriter& writer,

@@ -166,7 +166,7 @@ const Row kFileRows[]{
      .details = "kilograms per cubic meter, by `--unit`: for mass and inertia in `.vdb` files, "
                 "`scene.glb`, `scene.usda` and `graph.json`",
      .key = "density",
-     .recorded = [](R o) { return o.write.density != 1.0; }},
+     .recorded = [](R o) { return o.write.density != WriteOptions().density; }},
     {.name = "proxy-gap",
      .group = "Files for hosts",
      .value = V::number(kWrite, &WriteOptions::proxyGap, between(0.0, 1e9, "0..1e9")),

@@ -215,7 +215,7 @@ class Hosts(CommandLine):
         constraints = Geometry(os.path.join(self.out, "graph.geo"))  # geo_test.py compares all of it
         self.assertEqual(sorted(map(tuple, constraints.points + 1)), sorted(bonds))
         for pair, strength in zip(constraints.points + 1, constraints.primitive("strength"), strict=True):
-            self.assertEqual(strength, np.float32(bonds[tuple(pair)]["area"]))
+            self.assertEqual(strength, np.float32(1e5 * bonds[tuple(pair)]["area"]))
 
     def test_withheld_fragments_are_in_no_file(self):
         manifest = self.broken("--write", "vdb,graph,scene,proxy", "--vdb", "single", "--missing", "2")

@@ -169,7 +169,7 @@ class Figures(Viewer):
     def test_unit_axis_and_density(self):
         self.done("--write", "mesh,viewer", "--up", "z")
         written = Page(os.path.join(self.out, "viewer.html")).scene
-        self.assertEqual((written["unit"], written["up"], written["density"]), ("m", "z", 1))
+        self.assertEqual((written["unit"], written["up"], written["density"]), ("m", "z", 1000))
         scene = self.viewed("--unit", "mm", "--up", "x").scene
         self.assertEqual((scene["unit"], scene["up"]), ("mm", "x"))
         self.assertEqual(self.viewed().scene["up"], "z")
