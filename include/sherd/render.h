@@ -26,6 +26,11 @@ struct RenderOptions {
   double azimuth = 35.0;  ///< degrees around the up axis
   double elevation = 20.0;  ///< degrees above the horizon, -90..90
   char up = 'y';            ///< the mesh's axis that points up: 'x', 'y' or 'z'
+  /// The image is the middle of a larger one, this many times as wide and as high, 0.01..1000.
+  double zoom = 1.0;
+  /// Ids of fragments in the middle of the image, as large as it holds, before `zoom`; the camera
+  /// stays where it is for the whole, and other fragments are shown, too.  Empty: all.
+  std::vector<int> focus{};
 };
 
 /// Renders an exploded view of the fragments on a plain ground, each in its own color, fracture

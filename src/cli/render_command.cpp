@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -33,7 +34,7 @@ constexpr NamedView kViews[] = {{"front", 0, 0},          {"right", 90, 0}, {"ba
                                 {"three-quarter", 35, 20}};
 
 struct RenderArguments {
-  std::string path;
+  std::vector<std::string> paths;
   std::string output;
   RenderOptions options;
   std::string up = "auto";
@@ -79,6 +80,19 @@ fs::path numbered(const fs::path& file, std::size_t number, std::size_t count) {
   return file.parent_path() / (name + file.extension().string());
 }
 
+// Reads what is shown together; of several paths the fragments are numbered one after another.
+Pieces readAll(const std::vector<std::string>& paths) {
+  Pieces all = readPieces(paths.front(), {.maxMemory = freeMemory()});
+  for (std::size_t i = 1; i < paths.size(); ++i) {
+    Pieces more = readPieces(paths[i], {.maxMemory = freeMemory()});
+    std::ranges::move(more.fragments, std::back_inserter(all.fragments));
+  }
+  if (paths.size() == 1) return all;
+  int id = 0;
+  for (Fragment& fragment : all.fragments) fragment.id = ++id;
+  return all;
+}
+
 void runRender(RenderArguments& arguments) {
   std::optional<tbb::global_control> threads;
   if (arguments.threads > 0) {
@@ -98,8 +112,16 @@ void runRender(RenderArguments& arguments) {
     return arguments.turntable > 0 ? numbered(output, i + 1, count) : output;
   };
   for (std::size_t i = 0; i < count; ++i) requireNoInput("--output", file(i));
-  const Pieces pieces = readPieces(arguments.path, {.maxMemory = freeMemory()});
+  const Pieces pieces = readAll(arguments.paths);
   const std::vector<Fragment>& fragments = pieces.fragments;
+  for (const int id : options.focus) {
+    const auto hasId = [id](const Fragment& fragment) { return fragment.id == id; };
+    if (std::ranges::none_of(fragments, hasId)) {
+      throw Error(ErrorCode::usage, "--focus: there is no fragment " + std::to_string(id) +
+                                        " to be shown, there are " +
+                                        std::to_string(fragments.size()));
+    }
+  }
   options.up = arguments.up == "auto" ? pieces.coordinates.up : arguments.up.front();
   HeldFiles files;
   for (std::size_t i = 0; i < count; ++i) {
@@ -121,8 +143,9 @@ void addRenderCommand(CLI::App& app, Action& run) {
       app.add_subcommand("render", "Render a fracture, a mesh or a level set as .png or .exr");
   auto arguments = std::make_shared<RenderArguments>();
   command
-      ->add_option("PATH", arguments->path,
-                   "A fracture's folder, a folder of meshes, a mesh, or a .vdb file")
+      ->add_option("PATH", arguments->paths,
+                   "A fracture's folder, a folder of meshes, a mesh, or a .vdb file; several are "
+                   "shown together")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
@@ -139,6 +162,19 @@ void addRenderCommand(CLI::App& app, Action& run) {
       ->add_option("--explode", arguments->options.explode,
                    "How far fragments move apart, as a share of their distance to the center")
       ->check(numberBetween(0.0, 100.0, "0..100"))
+      ->capture_default_str();
+  command
+      ->add_option("--focus", arguments->options.focus,
+                   "Ids of fragments that fill the image, with what lies before and behind them; "
+                   "of several PATHs ids count through all")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(wholeNumber(1, kMaxFragments))
+      ->type_name("ID,...");
+  command
+      ->add_option("--zoom", arguments->options.zoom,
+                   "How many times larger the image shows its middle")
+      ->check(numberBetween(0.01, 1000.0, "0.01..1000"))
       ->capture_default_str();
   command
       ->add_option_function<std::string>(

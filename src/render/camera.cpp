@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -27,9 +28,46 @@ struct Wedge {
   float offset() const { return 0.5f * (high - low); }
 };
 
+// A box in an image, pixels; empty where low is above high.
+struct ImageBox {
+  glm::vec2 low{std::numeric_limits<float>::infinity()};
+  glm::vec2 high{-std::numeric_limits<float>::infinity()};
+};
+
+ImageBox boxInImage(const Camera& camera, const Scene& scene, std::span<const int> ids,
+                    std::span<const int> shown) {
+  ImageBox box;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (std::find(shown.begin(), shown.end(), ids[i]) == shown.end()) continue;
+    const std::vector<glm::vec3>& vertices = scene.fragments[i].vertices;
+    for (std::size_t v = 0; v + 1 < vertices.size(); ++v) {
+      const glm::vec2 at(camera.project(vertices[v]));
+      box.low = glm::min(box.low, at);
+      box.high = glm::max(box.high, at);
+    }
+  }
+  return box;
+}
+
+// Moves a box of the image to its middle and makes it as large as the margins allow, then larger
+// or smaller about the middle.
+void magnify(Camera& camera, const ImageBox& box, double zoom) {
+  constexpr float kLeast = 1e-3f;  // side of a box, pixels: of one vertex it is 0
+  const glm::vec2 half(camera.halfWidth, camera.halfHeight);
+  glm::vec2 middle = half;
+  auto scale = static_cast<float>(zoom);
+  if (box.low.x <= box.high.x) {
+    middle = 0.5f * (box.low + box.high);
+    const glm::vec2 sides = glm::max(box.high - box.low, glm::vec2(kLeast));
+    scale *= (1.0f - 2.0f * kMargin) * 2.0f * std::min(half.x / sides.x, half.y / sides.y);
+  }
+  camera.pixel /= scale;
+  camera.center = half - scale * (middle - half);
+}
+
 }  // namespace
 
-Camera frameScene(const Scene& scene, const RenderOptions& options) {
+Camera frameScene(const Scene& scene, std::span<const int> ids, const RenderOptions& options) {
   const double a = std::fmod(options.azimuth, 360.0) * kRadiansPerDegree;
   const double e = options.elevation * kRadiansPerDegree;
   Camera camera;
@@ -58,6 +96,8 @@ Camera frameScene(const Scene& scene, const RenderOptions& options) {
   // Without the minimum a tiny fragment, or a needle seen from its end, touches the lens.
   const float distance = std::max({across.distance(), along.distance(), nearest + 0.05f});
   camera.eye = camera.right * across.offset() + camera.up * along.offset() + camera.back * distance;
+  camera.center = {camera.halfWidth, camera.halfHeight};
+  magnify(camera, boxInImage(camera, scene, ids, options.focus), options.zoom);
   return camera;
 }
 

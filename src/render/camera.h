@@ -4,6 +4,7 @@
 #include <sherd/render.h>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "render/scene.h"
@@ -19,10 +20,11 @@ struct Camera {
   glm::vec3 right{0.0f}, up{0.0f}, back{0.0f};
   float pixel = 1.0f;                         ///< width of a pixel at distance 1
   float halfWidth = 0.0f, halfHeight = 0.0f;  ///< pixels
+  glm::vec2 center{0.0f};  ///< image position of the axis, pixels; may be outside
 
   /// Returns the direction to an image position, pixels from the upper left corner; not normalized.
   [[nodiscard]] glm::vec3 direction(float x, float y) const {
-    return right * ((x - halfWidth) * pixel) + up * ((halfHeight - y) * pixel) - back;
+    return right * ((x - center.x) * pixel) + up * ((center.y - y) * pixel) - back;
   }
 
   /// Returns the image position of a point in front of the camera, the inverse of direction(), and
@@ -30,7 +32,7 @@ struct Camera {
   [[nodiscard]] glm::vec3 project(glm::vec3 p) const {
     const glm::vec3 d = p - eye;
     const float near = -1.0f / glm::dot(d, back), scale = near / pixel;
-    return {halfWidth + glm::dot(d, right) * scale, halfHeight - glm::dot(d, up) * scale, near};
+    return {center.x + glm::dot(d, right) * scale, center.y - glm::dot(d, up) * scale, near};
   }
 
   /// Returns the distance from a surface's tangent plane within which it goes on a few pixels away.
@@ -38,7 +40,10 @@ struct Camera {
 };
 
 /// Returns the closest camera that shows every vertex with a margin; its field of view is 35
-/// degrees across the image's shorter side.
-[[nodiscard]] Camera frameScene(const Scene& scene, const RenderOptions& options);
+/// degrees across the image's shorter side.  RenderOptions::focus and zoom choose a part of its
+/// image, larger: the camera does not move, so nothing comes before or behind it.
+///   ids  [scene.fragments]
+[[nodiscard]] Camera frameScene(const Scene& scene, std::span<const int> ids,
+                                const RenderOptions& options);
 
 }  // namespace sherd

@@ -39,6 +39,8 @@ void checkOptions(const RenderOptions& options) {
   if (!(std::abs(options.elevation) <= 90.0))
     fail("image: elevation is " + std::to_string(options.elevation) +
          ", expected -90 to 90 degrees");
+  if (!(options.zoom >= 0.01 && options.zoom <= 1000.0))
+    fail("image: zoom is " + std::to_string(options.zoom) + ", expected 0.01 to 1000");
   if (!std::isfinite(options.azimuth)) fail("image: azimuth is not a finite number");
   if (options.up != 'x' && options.up != 'y' && options.up != 'z')
     fail(std::string("image: up axis is '") + options.up + "', expected x, y or z");
@@ -59,13 +61,19 @@ float occluderCell(const Camera& camera) {
   return std::min(kPixels * camera.pixel * glm::length(camera.eye), kMost);
 }
 
+std::vector<int> idsOf(std::span<const Fragment> fragments) {
+  std::vector<int> ids;
+  for (const Fragment& fragment : fragments) ids.push_back(fragment.id);
+  return ids;
+}
+
 class Renderer {
  public:
   Renderer(std::span<const Fragment> fragments, const RenderOptions& options)
       : width_(options.width),
         height_(options.height),
         scene_(makeScene(fragments, options)),
-        camera_(frameScene(scene_, options)),
+        camera_(frameScene(scene_, idsOf(fragments), options)),
         light_(
             makeLight(static_cast<float>(std::fmod(options.azimuth, 360.0) * kRadiansPerDegree))),
         raster_(scene_, camera_),

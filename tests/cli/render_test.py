@@ -131,6 +131,18 @@ class Render(CommandLine):
         self.assertEqual(found["t_003.png"], found["one.png"])
         self.assertNotEqual(found["t_001.png"], found["t_003.png"])
 
+    def test_several_meshes_are_shown_together(self):
+        other = b"".join(b"v %d %d %d\n" % (x + 6, y, z) for x, y, z in (map(int, line.split()[1:]) for line in BOX.split(b"\n")[:8]))
+        one, two = self.path("one.obj", BOX), self.path("two.obj", other + BOX[BOX.index(b"f"):])
+        view = (one, two, "--view", "front", "--size", "160x120", "--explode", "0")
+        self.assertEqual(set(np.unique(self.layers(*view)["id"])), {0, 1, 2})
+        ids = self.layers(*view, "--focus", "2")["id"]
+        self.assertEqual(ids[60, 80], 2)
+        self.assertGreater((ids == 2).sum(), 3 * (self.layers(*view)["id"] == 2).sum())
+        self.assertGreater((ids == 2).sum(), (self.layers(*view, "--focus", "2", "--zoom", "0.5")["id"] == 2).sum())
+        self.refused(2, self.run_sherd("render", one, two, "-o", self.path("x.png"), "--focus", "3"), "--focus", "fragment 3")
+        self.refused(2, self.run_sherd("render", one, "-o", self.path("x.png"), "--zoom", "0"), "--zoom")
+
     def test_draws_level_sets(self):
         self.broken("--write", "vdb", "--vdb", "both")
         for source in (self.out, os.path.join(self.out, "fragments.vdb"), os.path.join(self.out, "manifest.json")):

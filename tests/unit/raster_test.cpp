@@ -37,7 +37,7 @@ struct View {
   std::vector<Fragment> fragments = threeShapes();
   RenderOptions options{.width = 333, .height = 211, .explode = 0.1};
   Scene scene = makeScene(fragments, options);
-  Camera camera = frameScene(scene, options);
+  Camera camera = frameScene(scene, {}, options);
 };
 
 RTCHit hitAt(const View& view, const EmbreeScene& embree, glm::vec2 position) {
@@ -91,7 +91,7 @@ TEST(Raster, ShowsTheTriangleThatARayHitsFirst) {
 
 TEST(Raster, IsEmptyWithoutFragments) {
   const Scene scene = makeScene({}, {});
-  const Camera camera = frameScene(scene, {});
+  const Camera camera = frameScene(scene, {}, {});
   TileHits hits;
   EXPECT_FALSE(Raster(scene, camera).draw(3, 2, hits));
 }

@@ -142,6 +142,50 @@ TEST(Render, ShowsABallRoundAndCenteredAndAsLargeAsTheMarginAllows) {
   EXPECT_NEAR(height, 0.86 * 300.0, 3.0);
 }
 
+TEST(Render, ZoomShowsTheMiddleOfALargerImage) {
+  const std::vector<Fragment> balls = rowOfBalls(3);
+  const Aovs part = renderAovs(balls, {.width = 96, .height = 64, .zoom = 2.0});
+  const Aovs whole = renderAovs(balls, {.width = 192, .height = 128});
+  std::size_t shown = 0;
+  for (std::size_t y = 0; y < 64; ++y) {
+    for (std::size_t x = 0; x < 96; ++x) {
+      const std::size_t own = y * 96 + x, there = (y + 32) * 192 + x + 48;
+      ASSERT_EQ(part.fragment[own], whole.fragment[there]) << x << ' ' << y;
+      if (part.fragment[own] == 0) continue;
+      ASSERT_NEAR(part.depth[own], whole.depth[there], 1e-3);
+      ++shown;
+    }
+  }
+  EXPECT_GT(shown, 1000u);
+}
+
+TEST(Render, FocusFillsTheImageWithAFragment) {
+  const std::vector<Fragment> balls = rowOfBalls(5);
+  for (const int id : {1, 4}) {
+    const Aovs aovs = renderAovs(balls, {.width = 160, .height = 120, .focus = {id}});
+    int top = 120, bottom = -1, left = 160, right = -1;
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        if (aovs.fragment[static_cast<std::size_t>(y * 160 + x)] !=
+            static_cast<std::uint32_t>(id)) {
+          continue;
+        }
+        top = std::min(top, y), bottom = std::max(bottom, y);
+        left = std::min(left, x), right = std::max(right, x);
+      }
+    }
+    EXPECT_NEAR(bottom - top + 1, 0.86 * 120.0, 2.0) << id;
+    EXPECT_NEAR(top + bottom + 1, 120.0, 3.0) << id;
+    EXPECT_NEAR(left + right + 1, 160.0, 40.0) << id;  // another ball hides a part of it
+  }
+  const Aovs all = renderAovs(balls, {.width = 160, .height = 120, .focus = {1, 2, 3, 4, 5}});
+  const Aovs none = renderAovs(balls, {.width = 160, .height = 120});
+  const auto shown = [](const Aovs& aovs) {
+    return std::ranges::count_if(aovs.fragment, [](std::uint32_t id) { return id != 0; });
+  };
+  EXPECT_GE(shown(all), shown(none));
+}
+
 TEST(Render, LeavesTheBackdropAloneWhereNothingIs) {
   const RenderOptions options{.width = 320, .height = 200};
   const Image empty = renderFragments({}, options);
@@ -323,6 +367,8 @@ TEST(Render, RefusesOptionsOutOfRange) {
   EXPECT_EQ(code({.azimuth = std::nan("")}), ErrorCode::usage);
   EXPECT_EQ(code({.elevation = 90.5}), ErrorCode::usage);
   EXPECT_EQ(code({.up = 'w'}), ErrorCode::usage);
+  EXPECT_EQ(code({.zoom = 0.0}), ErrorCode::usage);
+  EXPECT_EQ(code({.zoom = std::nan("")}), ErrorCode::usage);
   EXPECT_EQ(code({.width = 16, .height = 16}), ErrorCode{0});
 }
 
