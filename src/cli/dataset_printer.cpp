@@ -43,6 +43,17 @@ double fragmentsPerSecond(const DatasetProgress& progress) {
   return progress.seconds > 0.0 ? static_cast<double>(progress.fragments) / progress.seconds : 0.0;
 }
 
+// Returns the first names, and how many others there are.
+std::string namesOf(const std::vector<std::string>& objects) {
+  constexpr std::size_t kMost = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(objects.size(), kMost); ++i) {
+    text += (i == 0 ? "" : ", ") + printable(objects[i]);
+  }
+  if (objects.size() > kMost) text += " and " + std::to_string(objects.size() - kMost) + " others";
+  return text;
+}
+
 }  // namespace
 
 DatasetPrinter::DatasetPrinter(bool json, bool quiet)
@@ -52,6 +63,7 @@ DatasetCallbacks DatasetPrinter::callbacks() {
   DatasetCallbacks callbacks;
   callbacks.fractured = [this](const DatasetProgress& progress) { printProgress(progress); };
   callbacks.failed = [this](const std::string& object, const Error& reason) {
+    failed_.push_back(object);
     if (json_)
       return printEvent({{"event", "failed"}, {"object", object}, {"reason", reason.what()}});
     printSentence("sherd: " + object + " failed: " + sentenceOf(reason));
@@ -139,12 +151,13 @@ void DatasetPrinter::printSummary(const std::string& folder, const DatasetSummar
     return printResult(printable(folder) + text);
   }
   std::snprintf(text, sizeof text,
-                ": %zu fractures of %zu objects, %zu fragments, %.3g GB; %zu objects failed",
+                ": %zu fractures of %zu objects, %zu fragments, %.3g GB; %zu %s failed%s",
                 summary.fractures, summary.objects, summary.fragments,
-                static_cast<double>(summary.bytes) * 1e-9, summary.failures);
+                static_cast<double>(summary.bytes) * 1e-9, summary.failures,
+                summary.failures == 1 ? "object" : "objects", failed_.empty() ? "" : ": ");
   const std::string skipped =
       summary.skipped == 0 ? "" : ", " + std::to_string(summary.skipped) + " paths skipped";
-  printResult(printable(folder) + text + skipped + "\n");
+  printResult(printable(folder) + text + namesOf(failed_) + skipped + "\n");
 }
 
 void DatasetPrinter::printVerified(const std::string& folder, const DatasetCheck& check) {

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 namespace sherd::cli {
 
@@ -36,7 +37,8 @@ class DatasetPrinter {
   void clear();
 
   bool json_, terminal_, quiet_;
-  std::size_t objects_ = 0;  // done at the last report
+  std::size_t objects_ = 0;            // done at the last report
+  std::vector<std::string> failed_{};  // objects of this run
   std::chrono::steady_clock::time_point last_;
 };
 

@@ -274,7 +274,7 @@ class Run(Dataset):
         run = self.dataset("--strict", library=library, out=self.path("strict"))
         self.assertEqual(run.returncode, 3, run.stderr)
         self.assertIn("1 object could not be broken", run.stderr.splitlines()[-1])
-        self.assertIn("1 objects failed", run.stdout)
+        self.assertIn("1 object failed: bad.obj", run.stdout)
         self.assertTrue(os.path.exists(os.path.join(self.path("strict"), "index.csv")))
 
     def test_refusals(self):

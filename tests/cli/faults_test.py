@@ -346,7 +346,7 @@ class Device(Faults):
         result = self.sherd(*dataset("troubled"), kind="device", error=OUT_OF_RESOURCES, at=total * 2 // 3)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertRegex(result.stderr, r"sherd: [abc]\.obj failed: [^\n]* OpenCL error -\d+")
-        self.assertIn("1 objects failed", result.stdout)
+        self.assertIn("1 object failed: ", result.stdout)
         again = self.sherd(*dataset("troubled", "--resume", "--verify"))
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertEqual(files("troubled"), files("untroubled"))
