@@ -191,6 +191,7 @@ struct Manifest {
   int resolution = 0;      ///< above 0
   bool automatic = false;  ///< the resolution was chosen automatically
   double voxelSize = 0.0;  ///< above 0
+  glm::dvec3 origin{0.0};  ///< world position of the first voxel's center
   openvdb::Coord dims;     ///< each above 0
   openvdb::Coord indexMin;
   std::uint64_t solidVoxels = 0;
@@ -233,9 +234,31 @@ void requireSettled(const std::filesystem::path& path);
 ///   throws  Error(input) what readManifest throws; an option that is damaged
 [[nodiscard]] RunOptions inheritedOptions(const std::filesystem::path& path);
 
-/// Reads a fracture from its `manifest.json`, its labels and the fragments' `.vdb` files.
-///   throws  Error(input) not a fracture's manifest, a fracture written without labels or vdb, a
-///           file that is absent, damaged or inconsistent with the others
+/// The same of a fracture in memory.
+///   options  of the fracture
+[[nodiscard]] RunOptions inheritedOptions(RunOptions options);
+
+/// The names of the options that hold for the whole solid: nothing is broken again by them.
+inline constexpr const char* kOptionsOfWhole[] = {
+    "resolution",      "voxel-size", "seeds", "missing",  "drop-share", "erode-iterations", "fill",
+    "shell-thickness", "bodies",     "grid",  "isovalue", "recenter",   "source-faces"};
+
+/// Returns a fracture in memory as it is broken again: the labeled voxels of fragments that are not
+/// withheld, and their meshes.  It is what readFracture and readFragmentMeshes return of its
+/// folder, but has the whole mesh that was broken as its source.
+///   source, options, write  as of writeFracture
+///   result   with meshes and level sets of its fragments
+[[nodiscard]] FinishedFracture finishedFracture(const SourceMesh& source,
+                                                const FractureOptions& options,
+                                                const FractureResult& result,
+                                                const WriteOptions& write);
+
+/// Reads a fracture from its `manifest.json`, its labels and the fragments' `.vdb` files.  Where it
+/// was written without one of these, voxels are made again from the fragments' meshes: each belongs
+/// to the fragment that has its center inside.
+///   throws  Error(input) not a fracture's manifest, a fracture written with neither, a file that
+///   is
+///           absent, damaged or inconsistent with the others, a fragment without any voxel
 ///   path    of a fracture's folder, or its manifest
 [[nodiscard]] FinishedFracture readFracture(const std::filesystem::path& path,
                                             const ReadOptions& options = {});

@@ -103,6 +103,7 @@ struct StageTime {
 struct BreakHistory {
   std::vector<std::string> breaks{};
   std::size_t omitted = 0;  ///< after the first one, as there were too many
+  std::string sha256{};     ///< of the manifest of what is broken again; empty: it was in memory
 };
 
 struct FractureResult {
@@ -171,17 +172,18 @@ struct PreparedSolid {
 [[nodiscard]] FractureResult fracture(const PreparedSolid& prepared, const FractureOptions& options,
                                       Device& device, const Progress* progress = nullptr);
 
-/// A fracture read from its folder.
+/// A fracture that can be broken again: read from its folder, or of finishedFracture.
 struct FinishedFracture {
-  /// File name of the original mesh, SHA-256 of the manifest.  After readFragmentMeshes the mesh is
-  /// the faces of the fragments' original surface, with the attributes that their files have.
+  /// Of a fracture in memory, the mesh that was broken.  Of one that was read, the file name of the
+  /// original mesh and the SHA-256 of the manifest; after readFragmentMeshes the mesh is the faces
+  /// of the fragments' original surface, with the attributes that their files have.
   SourceMesh source;
   int resolution = 0;
   Solid solid;    ///< the union of the fragments, without eroded and withheld voxels
   Labels labels;  ///< an id on every inside voxel
   /// Of the fragments' meshes, which Surface::exact cuts: the faces of one fragment after another,
   /// with neighbors; fragment i has [firstFace[i-1], firstFace[i]).  Both are empty
-  /// until readFragmentMeshes.
+  /// until readFragmentMeshes, or where there are no meshes.
   TriangleMesh faces{};
   std::vector<std::size_t> firstFace{};  ///< [fragments + 1]
   bool isExact = false;  ///< some fragments have exact surfaces; Surface::automatic then cuts them

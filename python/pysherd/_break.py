@@ -43,6 +43,17 @@ def broken_again(*state: Any) -> Fracture:
         return next(break_solid(solid._core, given, [_pieces_and_seed(given)], DEVICE, None))
 
 
+def parts_again(*state: Any) -> Fracture:
+    """Returns a fracture that was pickled, of fragments that were broken again."""
+    before, sealed = _state.only("fracture", state, Fracture, bytes)
+    content = _core.content_of("fracture", sealed)
+    with _state.restoring("fracture"):
+        ids, options = json.loads(content)
+        given = [(name, text) for name, text in options]
+        _core.check_options(given)
+        return before._broken(list(ids), given, DEVICE, None)
+
+
 def loaded_again(*state: Any) -> Fracture:
     """Returns a loaded fracture that was pickled: reads its folder."""
     (sealed,) = _state.only("fracture", state, bytes)

@@ -12,7 +12,7 @@ import numpy as np
 from . import _core, _jobs, _options, _state
 from ._errors import Error, FileError, UsageError, warn
 from ._fragment import Array, Contacts, Fragment, Points, SparseLabels
-from ._solid import Solid
+from ._solid import DEVICE, Solid, checked_device
 from ._values import items_of, is_sequence, number_in, path_text, shown, whole, word
 
 _FILE_NAMES = frozenset(row.name for row in _options.SAVE.values())
@@ -26,10 +26,17 @@ class Fracture(Sequence[Fragment]):
     unpickling breaks it again, to the same bits; of a fracture that was loaded it holds the path.  Damaged content is an `InputError`.
     """
 
-    def __init__(self, core: _core.Fracture, solid: Solid | None = None, options: _options.Options | None = None) -> None:
+    def __init__(
+        self,
+        core: _core.Fracture,
+        solid: Solid | None = None,
+        options: _options.Options | None = None,
+        before: tuple[Fracture, list[int]] | None = None,
+    ) -> None:
         self._core = core
         self._solid = solid
         self._options = options
+        self._before = before  # what was broken again, and its fragments' ids
 
     # --- fragments
 
@@ -88,7 +95,9 @@ class Fracture(Sequence[Fragment]):
 
     @property
     def solid(self) -> Solid | None:
-        """The solid that was broken; None of a fracture that was loaded."""
+        """The solid that was broken, before any fragment was broken again; None of a fracture that was loaded."""
+        if self._before is not None:
+            return self._before[0].solid
         if self._solid is None and not self._is_loaded:
             self._solid = Solid(self._core.solid)
         return self._solid
@@ -129,6 +138,11 @@ class Fracture(Sequence[Fragment]):
     def up(self) -> str:
         """The axis that points up, 'x', 'y' or 'z': what the mesh's file says, its format usually has, or `up` gave."""
         return self._core.up
+
+    @property
+    def parents(self) -> list[int]:
+        """Of fragments that were broken again: for each fragment the id of the one that it is or was a part of; else empty."""
+        return self._core.parents
 
     @cached_property
     def labels(self) -> Array:
@@ -173,6 +187,56 @@ class Fracture(Sequence[Fragment]):
         texts = _options.given({"points": n}) + own
         _options.check_together(texts, own)
         return Points(*file_errors(_core.points(self._core, texts), progress, self._is_loaded))
+
+    # --- breaking again
+
+    @_options.documented(_options.BROKEN)
+    def broken(
+        self, ids: int | Sequence[int], *, device: str = DEVICE, progress: _jobs.Progress | None = None, **options: Any
+    ) -> Fracture:
+        """Breaks some fragments again; the others stay, with their ids and meshes.
+
+        The first part of a broken fragment has its id, the other parts follow the last id.  Of a fracture that was loaded, its labels
+        and level sets are read.
+
+        Parameters
+        ----------
+        ids : int or sequence of int
+            The fragments to break, each into `pieces`; ids begin at 1.
+        device : str
+            As of `fracture`.
+        progress : callable, optional
+            As of `fracture`.
+        {options}
+            Those that are not given are as in this fracture, but for what holds for the whole (impacts, a density, guides), and the
+            number of pieces; the seed is the next one.
+
+        Returns
+        -------
+        Fracture
+            What ``sherd fracture DIR --only IDS`` gives of this fracture's folder; `parents` says which fragment each comes from.
+
+        Raises
+        ------
+        UsageError
+            There is no such fragment, or a keyword or a value that the table refuses.
+        FileError
+            A file of a fracture that was loaded is absent or damaged.
+        """
+        given = _options.given(options, _options.BROKEN, "broken")
+        everything = _core.options_again(self._core, given)
+        _options.check_together(everything, given)
+        last = len(self)
+        numbers = [whole("ids", id, 1, last) for id in (items_of("ids", ids) if is_sequence(ids) else [ids])]
+        if not numbers:
+            raise UsageError("ids: no fragment is named")
+        return self._broken(numbers, everything, device, progress)
+
+    def _broken(self, ids: list[int], given: _options.Texts, device: str, progress: _jobs.Progress | None) -> Fracture:
+        job = _core.broken_again(self._core, ids, given, checked_device(device))
+        core = file_errors(job, progress, self._is_loaded)
+        warn(core.guide_warnings)
+        return Fracture(core, None, None, (self, ids))
 
     # --- files and other libraries
 
@@ -271,8 +335,12 @@ class Fracture(Sequence[Fragment]):
         return f"<pysherd.Fracture: {len(self)} fragments, seed {self.seed}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        from ._break import broken_again, loaded_again
+        from ._break import broken_again, loaded_again, parts_again
 
+        if self._before is not None:
+            assert isinstance(self._core, _core.GrownPieces)
+            fracture, ids = self._before
+            return parts_again, (fracture, _state.sealed("fracture", json.dumps([ids, self._core.given]).encode()))
         if isinstance(self._core, _core.LoadedPieces):
             return loaded_again, (_state.sealed("fracture", json.dumps(self._core.file).encode()),)
         solid = self.solid

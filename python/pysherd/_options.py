@@ -115,6 +115,8 @@ def _makes_solid(row: Row) -> bool:
 SOLID = {k: r for k, r in ROWS.items() if _makes_solid(r)}
 VOXELIZE = {k: r for k, r in ROWS.items() if k in SOLID or k in ("preset", "surface", "up", "unit")}
 SAVE = {k: r for k, r in ROWS.items() if k in _FILES or r.group in ("Points", "Files for hosts")}
+_OF_WHOLE = frozenset(_core.options_of_whole())
+BROKEN = {k: r for k, r in ROWS.items() if r.name not in _OF_WHOLE}
 POINTS = {k: r for k, r in ROWS.items() if k in ("share_points", "point_sampler", "point_rule")}
 
 

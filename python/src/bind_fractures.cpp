@@ -56,6 +56,14 @@ Job* loadJob(std::string folder) {
   });
 }
 
+Job* againJob(FracturePtr fracture, const std::vector<int>& ids, const GivenOptions& given,
+              const std::string& device) {
+  return jobOf(std::move(fracture), [=](FracturePtr of, const Progress& progress) -> Made {
+    auto one = brokenAgain(*of, ids, given, device, progress);
+    return [one] { return nb::cast(one); };
+  });
+}
+
 Job* labelsJob(FracturePtr fracture) {
   return jobOf(std::move(fracture), [](FracturePtr of, const Progress&) -> Made {
     auto voxels = std::make_shared<VoxelIds>(of->labels());
@@ -222,6 +230,7 @@ void bindFractures(nb::module_& module) {
       .def_prop_ro("seed", &Fracture::seed)
       .def_prop_ro("smooth_text", &Fracture::smoothText)
       .def_prop_ro("united_text", &Fracture::unitedText)
+      .def_prop_ro("parents", &Fracture::parents)
       .def_prop_ro("guide_warnings", &Fracture::guideWarnings)
       .def_prop_ro("voxel_size", [](const Fracture& f) { return f.frame().voxelSize; })
       .def_prop_ro("offset",
@@ -242,6 +251,12 @@ void bindFractures(nb::module_& module) {
       .def_prop_ro("file", &LoadedPieces::file);
   module.def("fracture", fractureJob, nb::rv_policy::take_ownership);
   module.def("load", loadJob, nb::rv_policy::take_ownership);
+  module.def("options_again", optionsAgain);
+  module.def("broken_again", againJob, nb::rv_policy::take_ownership);
+  module.def("options_of_whole", [] {
+    return std::vector<std::string>(std::begin(sherd::kOptionsOfWhole),
+                                    std::end(sherd::kOptionsOfWhole));
+  });
   module.def("labels", labelsJob, nb::rv_policy::take_ownership);
   module.def("fragments", fragmentsJob, nb::rv_policy::take_ownership);
   module.def("sampled_fragments", sampledJob, nb::rv_policy::take_ownership);

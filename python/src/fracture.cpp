@@ -242,6 +242,27 @@ std::string GrownPieces::unitedText() const {
   return unitedText_;
 }
 
+sherd::FractureResult GrownPieces::extractedCopy(const FractureOptions& options,
+                                                 const Progress& progress) const {
+  sherd::GrownFracture copy;
+  {
+    const std::lock_guard lock(making_);
+    copy = grown_;
+  }
+  copy.result.fragments.clear();  // measured ones, without meshes
+  copy.result.surfaces = nullptr;
+  copy.result.unmerged = nullptr;
+  return extracted(std::move(copy), options, &progress);
+}
+
+sherd::FinishedFracture GrownPieces::finished(const Progress& progress) {
+  FractureOptions options = optionsFor(run_.fracture, run_.write);
+  options.surface.levelSets = options.surface.meshes = true;
+  sherd::WriteOptions write = run_.write;
+  write.offset = solid_->offset();
+  return finishedFracture(solid_->source(), options, extractedCopy(options, progress), write);
+}
+
 std::vector<std::string> GrownPieces::save(const std::string& folder, sherd::WriteOptions write,
                                            const Progress& progress) {
   write.offset = solid_->offset();
@@ -252,15 +273,7 @@ std::vector<std::string> GrownPieces::save(const std::string& folder, sherd::Wri
                 "write: the arrival costs were not kept; give write to fracture() too");
   }
   sherd::checkFractureFolder(folder);
-  sherd::GrownFracture copy;
-  {
-    const std::lock_guard lock(making_);
-    copy = grown_;
-  }
-  copy.result.fragments.clear();  // measured ones, without meshes
-  copy.result.surfaces = nullptr;
-  copy.result.unmerged = nullptr;
-  const sherd::FractureResult result = extracted(std::move(copy), options, &progress);
+  const sherd::FractureResult result = extractedCopy(options, progress);
   const sherd::WrittenFolder written =
       writeFracture(folder, solid_->source(), options, result, write, &progress);
   std::vector<std::string> warnings = meshWarnings(solid_->source(), result);
@@ -282,6 +295,13 @@ void readGiven(FractureOptions& options, const std::string& mesh, const Progress
   }
 }
 
+// The same, and moves positions with a solid that was recentered.
+sherd::RunOptions withFiles(sherd::RunOptions run, const Solid& solid, const Progress& progress) {
+  checkSurfaceOptions(run.fracture.surface);
+  readGiven(run.fracture, solid.file(), progress);
+  return solid.offset() ? recentered(std::move(run), *solid.offset()) : run;
+}
+
 }  // namespace
 
 std::vector<std::shared_ptr<GrownPieces>> broken(
@@ -297,9 +317,7 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
     throw Error(ErrorCode::usage,
                 "surface: this solid keeps no mesh; give surface='exact' to voxelize() too");
   }
-  checkSurfaceOptions(run.fracture.surface);
-  readGiven(run.fracture, solid->file(), progress);
-  if (solid->offset()) run = recentered(std::move(run), *solid->offset());
+  run = withFiles(std::move(run), *solid, progress);
   std::vector<FractureOptions> options;
   for (const auto& [pieces, seed] : piecesAndSeeds) {
     options.push_back(run.fracture);
@@ -330,6 +348,38 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
         solid, std::move(ownGiven), std::move(own), std::move(grown[i]))));
   }
   return all;
+}
+
+GivenOptions optionsAgain(const Fracture& fracture, const GivenOptions& given) {
+  sherd::RunOptions run = fracture.inherited();
+  if (isGiven(given, "material")) {  // no option of another one stays
+    FractureOptions fresh;
+    fresh.seed = run.fracture.seed;
+    fresh.surface = run.fracture.surface;
+    run.fracture = std::move(fresh);
+  }
+  const std::uint64_t seed = run.fracture.seed;
+  run = optionsFrom(given, std::move(run));
+  if (!isGiven(given, "seed")) run.fracture.seed = seed;  // presets have one of their own
+  return givenOf(run);
+}
+
+std::shared_ptr<GrownPieces> brokenAgain(Fracture& fracture, const std::vector<int>& ids,
+                                         const GivenOptions& given, const std::string& device,
+                                         const Progress& progress) {
+  const sherd::FinishedFracture finished = fracture.finished(progress);
+  const SolidPtr solid = fracture.solidOf(finished);
+  sherd::RunOptions run = optionsFrom(given);
+  if (run.fracture.surface.surface == sherd::Surface::automatic && !finished.isExact) {
+    run.fracture.surface.surface = sherd::Surface::smooth;
+  }
+  run.fracture.solid.resolution = finished.resolution;
+  run.fracture = optionsFor(run.fracture, run.write);
+  run = withFiles(std::move(run), *solid, progress);
+  LeasedDevice leased(device);
+  sherd::GrownFracture grown = regrown(finished, ids, run.fracture, *leased, &progress);
+  return freedElsewhere(
+      std::make_unique<GrownPieces>(solid, given, std::move(run), std::move(grown)));
 }
 
 }  // namespace pysherd

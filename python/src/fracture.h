@@ -6,6 +6,7 @@
 #include <sherd/points.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -89,6 +90,17 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   [[nodiscard]] std::vector<sherd::SurfacePoints> points(PointChoice choice,
                                                          const sherd::Progress& progress);
 
+  /// Returns the fracture as it is broken again, and the options that it has then.
+  [[nodiscard]] virtual sherd::FinishedFracture finished(const sherd::Progress& progress) = 0;
+  [[nodiscard]] virtual sherd::RunOptions inherited() const = 0;
+
+  /// Returns what is broken again: the solid itself, or one of files.
+  ///   finished  as returned by finished()
+  [[nodiscard]] virtual SolidPtr solidOf(const sherd::FinishedFracture& finished) const = 0;
+
+  /// [fragments] the fragments that were broken again, or which stayed; empty of one break.
+  [[nodiscard]] virtual std::vector<int> parents() const { return {}; }
+
   /// Returns which fragments have smooth surfaces instead of exact ones, and why, as a clause;
   /// empty before meshes are made, and if none has.
   [[nodiscard]] virtual std::string smoothText() const { return {}; }
@@ -158,6 +170,12 @@ class GrownPieces : public Fracture {
   [[nodiscard]] std::vector<std::string> guideWarnings() const override {
     return grown_.result.guideWarnings;
   }
+  [[nodiscard]] sherd::FinishedFracture finished(const sherd::Progress& progress) override;
+  [[nodiscard]] sherd::RunOptions inherited() const override {
+    return sherd::inheritedOptions(run_);
+  }
+  [[nodiscard]] SolidPtr solidOf(const sherd::FinishedFracture&) const override { return solid_; }
+  [[nodiscard]] std::vector<int> parents() const override { return grown_.result.parents; }
 
   [[nodiscard]] const SolidPtr& solid() const { return solid_; }
   [[nodiscard]] const GivenOptions& given() const { return given_; }
@@ -176,6 +194,8 @@ class GrownPieces : public Fracture {
  private:
   [[nodiscard]] sherd::SurfaceOptions surface(bool meshes) const;
   bool measureSurfaces(const sherd::Progress& progress);
+  [[nodiscard]] sherd::FractureResult extractedCopy(const sherd::FractureOptions& options,
+                                                    const sherd::Progress& progress) const;
 
   SolidPtr solid_;
   GivenOptions given_;
@@ -206,6 +226,12 @@ class LoadedPieces : public Fracture {
     return meshed(p);
   }
 
+  [[nodiscard]] sherd::FinishedFracture finished(const sherd::Progress& progress) override;
+  [[nodiscard]] sherd::RunOptions inherited() const override {
+    return sherd::inheritedOptions(std::filesystem::path(file_));
+  }
+  [[nodiscard]] SolidPtr solidOf(const sherd::FinishedFracture& finished) const override;
+
   [[nodiscard]] const std::string& file() const { return file_; }
 
  protected:
@@ -218,6 +244,18 @@ class LoadedPieces : public Fracture {
   sherd::GridFrame frame_;
   std::vector<std::vector<sherd::Contact>> contacts_;
 };
+
+/// Returns the options of a fracture whose fragments are broken again.
+///   given  those that are not taken from the fracture
+[[nodiscard]] GivenOptions optionsAgain(const Fracture& fracture, const GivenOptions& given);
+
+/// Breaks fragments again.
+///   given  all options, as optionsAgain returns them
+[[nodiscard]] std::shared_ptr<GrownPieces> brokenAgain(Fracture& fracture,
+                                                       const std::vector<int>& ids,
+                                                       const GivenOptions& given,
+                                                       const std::string& device,
+                                                       const sherd::Progress& progress);
 
 /// Breaks a solid several times by the same options but for pieces and seed, growing together.
 [[nodiscard]] std::vector<std::shared_ptr<GrownPieces>> broken(

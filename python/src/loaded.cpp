@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/input_error.h"
+#include "base/memory.h"
 #include "folder/read_manifest.h"
 #include "fracture.h"
 #include "points/sample_surface.h"
@@ -46,7 +47,7 @@ LoadedPieces::LoadedPieces(const std::string& folder)
       manifest_(sherd::readManifest(file_)) {
   const json manifest = sherd::manifestJson(file_).value();
   try {
-    frame_ = {vectorIn(manifest.at("grid").at("origin")), manifest_.voxelSize};
+    frame_ = {manifest_.origin, manifest_.voxelSize};
     for (const json& fragment : manifest.at("fragments")) {
       if (fragment.value("withheld", false)) continue;
       contacts_.push_back(contactsIn(fragment));
@@ -68,6 +69,22 @@ VoxelIds LoadedPieces::labels() const {
     return {read.dims, std::move(read.labels)};
   }
   sherd::inputError(file_, "the fracture was written without labels.rle, .npy, .npz or .qstack");
+}
+
+sherd::FinishedFracture LoadedPieces::finished(const sherd::Progress&) {
+  const std::uint64_t memory = sherd::freeMemory();
+  sherd::FinishedFracture finished = sherd::readFracture(file_, {.maxMemory = memory});
+  readFragmentMeshes(file_, finished, memory);
+  finished.source.coordinates = manifest_.coordinates;
+  return finished;
+}
+
+SolidPtr LoadedPieces::solidOf(const sherd::FinishedFracture& finished) const {
+  sherd::PreparedSolid whole;
+  whole.solid = finished.solid;
+  return freedElsewhere(std::make_unique<Solid>(GivenOptions(), std::vector<std::string>(), 0.0,
+                                                manifest_.offset, finished.source, std::move(whole),
+                                                std::string()));
 }
 
 std::vector<Fragment> LoadedPieces::made(const sherd::Progress& progress) {

@@ -84,13 +84,16 @@ void checkRelations(const FractureOptionRow& row, const GivenOptions& given) {
   }
 }
 
-// Returns the options that a fracture's manifest records, but for those with their defaults and
-// those of the recorded material.
+// Returns the options that a fracture's manifest records.
 GivenOptions optionsOfManifest(const std::string& file) {
   const auto manifest = sherd::manifestJson(file);
   if (!manifest) throw Error(ErrorCode::input, file + ": is not a fracture's manifest");
-  const RunOptions recorded =
-      sherd::optionsRecorded(manifest->value("options", nlohmann::json::object()));
+  return givenOf(sherd::optionsRecorded(manifest->value("options", nlohmann::json::object())));
+}
+
+}  // namespace
+
+GivenOptions givenOf(const RunOptions& recorded) {
   const RunOptions usual;
   RunOptions ofMaterial;
   ofMaterial.fracture = sherd::materialOptions(recorded.fracture.material);
@@ -110,8 +113,6 @@ GivenOptions optionsOfManifest(const std::string& file) {
   return given;
 }
 
-}  // namespace
-
 std::string keywordOf(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
@@ -122,8 +123,9 @@ bool isGiven(const GivenOptions& given, const char* name) {
                      [&](const auto& option) { return option.first == name; });
 }
 
-RunOptions optionsFrom(const GivenOptions& given) {
-  RunOptions options;
+RunOptions optionsFrom(const GivenOptions& given) { return optionsFrom(given, RunOptions()); }
+
+RunOptions optionsFrom(const GivenOptions& given, RunOptions options) {
   for (const FractureOptionRow& row : sherd::fractureOptionTable()) {  // the preset comes first
     for (const auto& [name, text] : given) {
       if (row.hidden || name != row.name) continue;

@@ -18,6 +18,12 @@ using GivenOptions = std::vector<std::pair<std::string, std::string>>;
 ///   throws  Error(usage) naming the keyword; Error(input) the file of seeds
 [[nodiscard]] sherd::RunOptions optionsFrom(const GivenOptions& given);
 
+/// Sets options that have values already; the same otherwise.
+[[nodiscard]] sherd::RunOptions optionsFrom(const GivenOptions& given, sherd::RunOptions before);
+
+/// Returns options as given, but for those with their defaults and those of their material.
+[[nodiscard]] GivenOptions givenOf(const sherd::RunOptions& options);
+
 /// Whether an option is among those given.
 [[nodiscard]] bool isGiven(const GivenOptions& given, const char* name);
 

@@ -386,11 +386,7 @@ void addSelection(CLI::App& command, FractureArguments& arguments) {
           ->allow_extra_args(false)
           ->transform(wholeNumber(1, kMaxFragments))
           ->type_name("ID,...");
-  for (const char* option : {"--resolution", "--voxel-size", "--seeds", "--missing", "--drop-share",
-                             "--erode-iterations", "--fill", "--shell-thickness", "--bodies",
-                             "--grid", "--isovalue", "--recenter", "--source-faces"}) {
-    only->excludes(option);
-  }
+  for (const char* option : kOptionsOfWhole) only->excludes("--" + std::string(option));
   command
       .add_flag("--split-objects", arguments.splitObjects,
                 "Break each object of the file separately, into a folder of its name below DIR")

@@ -185,12 +185,17 @@ RunOptions inheritedOptions(const fs::path& path) {
   } catch (const Error& e) {
     inputError(file, std::string("is damaged: ") + e.what());
   }
+  options = inheritedOptions(std::move(options));
+  setFiles(options.write, file, manifest, json);
+  return options;
+}
+
+RunOptions inheritedOptions(RunOptions options) {
   ++options.fracture.seed;
   dropOfWhole(options.fracture);
   options.volume = {};
   options.recenter = false;
   options.write.sourceFaces = false;
-  setFiles(options.write, file, manifest, json);
   return options;
 }
 

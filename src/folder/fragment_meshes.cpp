@@ -198,6 +198,22 @@ bool setNeighbors(FragmentMeshes& all, const GridFrame& frame, const Labels& lab
   return isAnyShared || all.firstFace.size() == 2;
 }
 
+std::string meshWithNeighbors(const std::vector<std::string>& meshes) {
+  for (const std::string& name : meshes) {
+    if (name.ends_with(".ply")) return name;
+  }
+  return meshes.empty() ? "" : meshes.front();
+}
+
+TriangleMesh originalOf(const TriangleMesh& faces) {
+  TriangleMesh original;
+  original.vertices = faces.vertices;
+  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
+    if (faces.neighbor[t] == 0) original.triangles.push_back(faces.triangles[t]);
+  }
+  return original;
+}
+
 SourceMesh originalSurface(const FragmentMeshes& all, SourceMesh source,
                            std::vector<std::uint32_t>& sourceOf) {
   std::vector<std::uint32_t> original;

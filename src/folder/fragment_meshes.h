@@ -58,6 +58,14 @@ void append(FragmentMeshes& all, SourceMesh own, const std::vector<std::uint32_t
 ///   return  whether any faces are shared, or there is one fragment
 bool setNeighbors(FragmentMeshes& all, const GridFrame& frame, const Labels& labels);
 
+/// Returns the mesh file that has neighbors, else the first; empty if there are none.
+///   meshes  ManifestFragment::meshes
+[[nodiscard]] std::string meshWithNeighbors(const std::vector<std::string>& meshes);
+
+/// Returns the faces of the original surface, without attributes.
+///   faces  with neighbors
+[[nodiscard]] TriangleMesh originalOf(const TriangleMesh& faces);
+
 /// Returns the faces of the original surface with their attributes, as the source of what fragments
 /// that are broken again get.
 ///   sourceOf  receives [faces] the index of each in it, or TriangleMesh::kNoSource

@@ -31,10 +31,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json sourceJson(const SourceMesh& source, bool isRefracture, const WriteOptions& write) {
-  Json json = {{"file", source.name}, {isRefracture ? "fracture_sha256" : "sha256", source.sha256}};
+//   fracture  BreakHistory::sha256
+Json sourceJson(const SourceMesh& source, const std::string& fracture, const WriteOptions& write) {
+  const bool isOfFiles = !fracture.empty();
+  Json json = {{"file", source.name},
+               {isOfFiles ? "fracture_sha256" : "sha256", isOfFiles ? fracture : source.sha256}};
   json.update(jsonOfCoordinates(coordinatesOf(source.coordinates, write)));
-  if (isRefracture) return json;
+  if (isOfFiles) return json;
   if (!source.grids.empty()) json["grids"] = source.grids;
   if (source.isovalue) json["isovalue"] = *source.isovalue;
   if (source.mesh.triangles.empty()) return json;
@@ -73,15 +76,6 @@ RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
   double& sigma = used.write.distances.sigma;
   if (sigma <= 0.0) sigma = result.solid.frame.voxelSize;
   return used;
-}
-
-// Voxels along the longest side.
-int resolutionUsed(const SourceMesh& source, const FractureOptions& options, const Solid& solid) {
-  if (options.solid.voxelSize <= 0.0 && options.solid.resolution != kAutoResolution) {
-    return options.solid.resolution;
-  }
-  if (source.mesh.triangles.empty()) return solid.box.longestSide();  // a volume's own voxels
-  return resolutionFor(source.mesh, solid.frame.voxelSize);
 }
 
 Json gridJson(const SourceMesh& source, const FractureOptions& options,
@@ -325,15 +319,30 @@ std::string crossingsWarning(std::span<const MeshFacts> facts, const WriteOption
          "option precision auto or double have no such pairs";
 }
 
+int resolutionUsed(const SourceMesh& source, const FractureOptions& options, const Solid& solid) {
+  if (options.solid.voxelSize <= 0.0 && options.solid.resolution != kAutoResolution) {
+    return options.solid.resolution;
+  }
+  if (source.mesh.triangles.empty()) return solid.box.longestSide();  // a volume's own voxels
+  return resolutionFor(source.mesh, solid.frame.voxelSize);
+}
+
+Json breakJson(const SourceMesh& source, const FractureOptions& options,
+               const FractureResult& result, const WriteOptions& write) {
+  const bool isRefracture = !result.parents.empty();
+  Json manifest = {{"schema", kManifestSchema},
+                   {"source", sourceJson(source, result.history.sha256, write)},
+                   {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
+  if (isRefracture) addHistory(manifest, result);
+  return manifest;
+}
+
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                          const FractureResult& result, std::span<const MeshFacts> facts,
                          const InputBodies& bodies, const FractureFiles& files,
                          const WriteOptions& write) {
   const bool isRefracture = !result.parents.empty();
-  Json manifest = {{"schema", kManifestSchema},
-                   {"source", sourceJson(source, isRefracture, write)},
-                   {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
-  if (isRefracture) addHistory(manifest, result);
+  Json manifest = breakJson(source, options, result, write);
   if (!source.mesh.triangles.empty() && !isRefracture)
     manifest["report"] = reportJson(source, result);
   const bool isRequested = !options.seeds.given && !isRefracture;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -72,6 +73,16 @@ struct MeshFacts {
 /// there are none, or no such files.
 [[nodiscard]] std::string crossingsWarning(std::span<const MeshFacts> facts,
                                            const WriteOptions& write);
+
+/// Returns how many voxels the longest side has.
+[[nodiscard]] int resolutionUsed(const SourceMesh& source, const FractureOptions& options,
+                                 const Solid& solid);
+
+/// Returns the beginning of a manifest: what was broken, the options, and the breaks before.
+[[nodiscard]] nlohmann::ordered_json breakJson(const SourceMesh& source,
+                                               const FractureOptions& options,
+                                               const FractureResult& result,
+                                               const WriteOptions& write);
 
 /// Returns the manifest's text.  It has no times or machine names, and its numbers round-trip, so
 /// equal fractures give equal bytes.  The fragments' meshes and level sets are not used.

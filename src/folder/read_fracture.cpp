@@ -14,6 +14,7 @@
 #include "folder/again.h"
 #include "folder/fragment_meshes.h"
 #include "folder/read_manifest.h"
+#include "folder/voxels_of_meshes.h"
 #include "formats/voxels/vdb.h"
 #include "formats/voxels/voxel_lookup.h"
 #include "grow/small_components.h"
@@ -54,15 +55,6 @@ std::optional<fs::path> labelFile(const fs::path& file, const Manifest& manifest
   return {};
 }
 
-TriangleMesh originalOf(const TriangleMesh& faces) {
-  TriangleMesh original;
-  original.vertices = faces.vertices;
-  for (std::size_t t = 0; t < faces.triangles.size(); ++t) {
-    if (faces.neighbor[t] == 0) original.triangles.push_back(faces.triangles[t]);
-  }
-  return original;
-}
-
 // The level sets are a stranger's: they are united voxel by voxel, and their inside tiles expanded.
 void requireLevelSet(const fs::path& file, const openvdb::FloatGrid& level,
                      const openvdb::FloatGrid* before, std::uint64_t maxMemory) {
@@ -80,14 +72,6 @@ void requireLevelSet(const fs::path& file, const openvdb::FloatGrid& level,
   requireMemoryOfFile(file.string(), estimatedMemory(counts.surface, counts.inside), maxMemory);
 }
 
-// Returns the mesh file that has neighbors, else the first; empty if there are none.
-std::string meshWithNeighbors(const std::vector<std::string>& meshes) {
-  for (const std::string& name : meshes) {
-    if (name.ends_with(".ply")) return name;
-  }
-  return meshes.empty() ? "" : meshes.front();
-}
-
 // Takes what `.ply` has not of materials from other formats beside it.
 void completeMaterials(JoinedMaterials& materials, const fs::path& file, const Manifest& manifest,
                        std::uint64_t maxMemory) {
@@ -102,29 +86,11 @@ void completeMaterials(JoinedMaterials& materials, const fs::path& file, const M
   }
 }
 
-}  // namespace
-
-FinishedFracture readFracture(const fs::path& path, const ReadOptions& options) {
-  const fs::path file = manifestIn(path);
-  nlohmann::json json;
-  const Manifest manifest = readManifest(file, json);
-  FinishedFracture finished;
-  finished.resolution = manifest.resolution;
-  finished.source.name = manifest.source;
-  finished.source.stem = fs::path(manifest.source).stem().string();
-  finished.source.sha256 = sha256(readFileBytes(file));
-  finished.history = historyAfter(json);
-  finished.manifest = file;
-
-  const std::optional<fs::path> labels = labelFile(file, manifest);
-  if (!labels) {
-    inputError(file, "the fracture was written without labels.rle, .npy, .npz or .qstack");
-  }
+// Sets solid and labels by the fragments' level sets and the voxel file.
+void readVoxelsOf(FinishedFracture& finished, const fs::path& file, const Manifest& manifest,
+                  const fs::path& labels, const ReadOptions& options) {
   FloatGridPtr whole;
   for (const ManifestFragment& fragment : manifest.fragments) {
-    if (fragment.vdb.empty()) {
-      inputError(file, "the fracture was written without a .vdb file of each fragment");
-    }
     FloatGridPtr level = readLevelSet(listedFile(file, fragment.vdb), options);
     requireLevelSet(listedFile(file, fragment.vdb), *level, whole.get(), options.maxMemory);
     if (whole) {
@@ -139,8 +105,32 @@ FinishedFracture readFracture(const fs::path& path, const ReadOptions& options) 
   solid.distance = std::move(whole);
   measureVoxels(solid);
   requireBox(file, solid);
+  finished.labels = labelsOn(solid, readVoxels(labels, options).voxels, manifest, labels);
+}
 
-  finished.labels = labelsOn(solid, readVoxels(*labels, options).voxels, manifest, *labels);
+}  // namespace
+
+FinishedFracture readFracture(const fs::path& path, const ReadOptions& options) {
+  const fs::path file = manifestIn(path);
+  nlohmann::json json;
+  const Manifest manifest = readManifest(file, json);
+  FinishedFracture finished;
+  finished.resolution = manifest.resolution;
+  finished.source.name = manifest.source;
+  finished.source.stem = fs::path(manifest.source).stem().string();
+  finished.source.sha256 = sha256(readFileBytes(file));
+  finished.history = historyAfter(json);
+  finished.history.sha256 = finished.source.sha256;
+  finished.manifest = file;
+
+  const std::optional<fs::path> labels = labelFile(file, manifest);
+  const bool hasLevelSets = std::ranges::none_of(
+      manifest.fragments, [](const ManifestFragment& fragment) { return fragment.vdb.empty(); });
+  if (labels && hasLevelSets) {
+    readVoxelsOf(finished, file, manifest, *labels, options);
+  } else {
+    setVoxelsOfMeshes(finished, file, manifest, options);
+  }
   return finished;
 }
 

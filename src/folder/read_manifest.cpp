@@ -234,6 +234,7 @@ Manifest manifestOf(const Json& json) {
   manifest.automatic = options.value("resolution", Json()) == kAutomatic;
   manifest.voxelSize =
       number(grid, "voxel_size", std::numeric_limits<double>::min(), kAnyNumber, "its grid");
+  manifest.origin = vectorIn(field(grid, "origin", "its grid"), "its grid's \"origin\"");
   manifest.dims = coordinates(grid, "dims", 1, "its grid");
   manifest.indexMin = coordinates(grid, "index_min", -kFarthestVoxel, "its grid");
   manifest.solidVoxels = count(grid, "solid_voxels", "its grid");

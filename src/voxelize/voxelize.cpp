@@ -211,6 +211,14 @@ int resolutionFor(const TriangleMesh& mesh, double voxelSize) {
   return static_cast<int>(std::ceil(longestSide(bounds(mesh)) / voxelSize - kRounding));
 }
 
+FloatGridPtr levelSetIn(const TriangleMesh& mesh, const GridFrame& frame,
+                        const Progress* progress) {
+  const TriangleMesh own = inIndexSpace(mesh, frame);
+  const SearchedMesh clean = searched(repaired(own, progress).mesh);
+  const FillChoice choice{Fill::winding, {}};
+  return levelSetOf(fillingOf(choice, clean, own, {}, frame.voxelSize, progress), frame, progress);
+}
+
 Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
   return voxelizeWithin(source, options, 1.0, progress);
 }

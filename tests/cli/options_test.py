@@ -441,7 +441,7 @@ class Again(Options):
         manifest = os.path.join(self.out, "manifest.json")
         again = os.path.join(self.data, "again")
         run = lambda *arguments: self.run_sherd("fracture", *arguments, "-o", again)
-        self.refused(3, run(manifest, "--only", "1"), "labels.rle")
+        self.refused(3, run(manifest, "--only", "1"), "neither meshes nor .vdb files")
         self.refused(3, run(self.ball, "--only", "1"), "manifest")
         self.done("--write", "labels,vdb", pieces=2)
         self.refused(2, run(manifest, "--only", "3"), "fragment 3")

@@ -1,0 +1,89 @@
+// The voxels of a fracture that was written without them.
+#include "folder/voxels_of_meshes.h"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/memory.h"
+#include "folder/fragment_meshes.h"
+#include "folder/read_manifest.h"
+#include "formats/voxels/vdb.h"
+#include "pipeline/memory_estimate.h"
+#include "voxelize/distance.h"
+#include "voxelize/leaf_blocks.h"
+#include "voxelize/voxelize.h"
+
+namespace sherd {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Refuses a mesh that is too large for its voxels, before they are made.
+void requireMemoryOf(const fs::path& file, const TriangleMesh& mesh, const Manifest& manifest,
+                     std::uint64_t maxMemory) {
+  FractureOptions options;
+  options.solid.voxelSize = manifest.voxelSize;
+  try {
+    requireMemoryOfFile(file.string(), estimatedMemory(mesh, options), maxMemory);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::usage) throw;  // of a voxel size that the mesh cannot have
+    inputError(file, std::string("does not fit the manifest beside it: ") + e.what());
+  }
+}
+
+// Gives the voxels of a fragment its id, unless they have one.
+void setLabels(Labels& labels, const LeafBlocks& fragment, std::uint16_t id) {
+  fragment.forEachInside([&](std::size_t voxel) {
+    const std::uint32_t leaf = findLeaf(*labels.blocks, fragment.origins[voxel / 512]);
+    std::uint16_t& own = labels.fragment[std::size_t{leaf} * 512 + voxel % 512];
+    if (own == 0) own = id;
+  });
+}
+
+}  // namespace
+
+void setVoxelsOfMeshes(FinishedFracture& finished, const fs::path& file, const Manifest& manifest,
+                       const ReadOptions& options) {
+  const glm::dvec3 first(manifest.indexMin.x(), manifest.indexMin.y(), manifest.indexMin.z());
+  const GridFrame frame{manifest.origin - first * manifest.voxelSize, manifest.voxelSize};
+  FloatGridPtr whole;
+  std::vector<LeafBlocks> fragments;
+  for (const ManifestFragment& fragment : manifest.fragments) {
+    const std::string name = meshWithNeighbors(fragment.meshes);
+    if (name.empty()) {
+      inputError(file,
+                 "the fracture was written with neither meshes nor .vdb files and labels of its "
+                 "fragments, and one of both is needed");
+    }
+    const fs::path path = listedFile(file, name);
+    const TriangleMesh mesh = readMesh(path, options).mesh;
+    requireMemoryOf(path, mesh, manifest, options.maxMemory);
+    FloatGridPtr own = levelSetIn(mesh, frame);
+    fragments.push_back(leafBlocks(*own));
+    if (fragments.back().insideVoxels() == 0) {
+      inputError(path, "has no voxel center inside; labels and .vdb files beside it are needed");
+    }
+    if (whole) {
+      unite(*whole, *own);
+    } else {
+      whole = std::move(own);
+    }
+  }
+  Solid& solid = finished.solid;
+  solid.frame = frame;
+  solid.blocks = std::make_shared<const LeafBlocks>(leafBlocks(*whole));
+  solid.distance = std::move(whole);
+  measureVoxels(solid);
+  requireBox(file, solid);
+  Labels& labels = finished.labels;
+  labels.blocks = solid.blocks;
+  labels.fragmentCount = static_cast<int>(fragments.size());
+  labels.fragment.assign(solid.blocks->count() * 512, 0);
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    setLabels(labels, fragments[i], static_cast<std::uint16_t>(i + 1));
+  }
+}
+
+}  // namespace sherd
