@@ -97,7 +97,7 @@ struct Tracer {
   const Raster& raster;
   const Occluders& occluders;
   int width, height;                                ///< of the image, pixels
-  static constexpr int kKeyRays = 4, kSkyRays = 2;  ///< at a point
+  static constexpr int kKeyRays = 4, kSkyRays = 8;  ///< at a point
   std::vector<glm::vec3> keys = keyDirections(light, kKeyRays* kPatternCells);
   std::vector<glm::vec3> skies = skyDirections(kSkyRays * kPatternCells);
 
