@@ -232,6 +232,87 @@ TEST_F(ReadAppearance, ObjHasColorsTexturesAndMaterials) {
   EXPECT_EQ(look.textures[0].bytes, kPng);
 }
 
+TEST_F(ReadAppearance, TilingOfObjIsInTheCoordinates) {
+  write("skin.mtl",
+        "newmtl a\nmap_Kd -s 2 4 1 -o 0.5 -t 1 1 1 my skin.png\n"
+        "newmtl b c\nmap_Kd my skin.png\nmap_Ke -s 3 my skin.png\n");
+  write("my skin.png", kPng);
+  const SourceMesh source = read("cube.obj", objOf("mtllib skin.mtl\n", false));
+  for (std::size_t t = 0; t < 12; ++t) {
+    const bool isTiled = source.mesh.attributes.material[t] == 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& p =
+          source.mesh.vertices[source.mesh.triangles[t][static_cast<glm::length_t>(k)]];
+      const glm::vec2 plain = texcoordAt(p);
+      const glm::vec2 tiled(0.5f + 2.0f * plain.x, 4.0f * plain.y);
+      EXPECT_EQ(source.mesh.attributes.texcoords[t][k], isTiled ? tiled : plain) << t;
+    }
+  }
+  ASSERT_EQ(source.warnings.size(), 1u);
+  EXPECT_NE(source.warnings[0].find("'b c'"), std::string::npos);
+}
+
+TEST_F(ReadAppearance, PolypaintOfObjIsItsColors) {
+  std::ostringstream out;
+  for (const glm::dvec3& v : kCube.vertices) out << "v " << v.x << ' ' << v.y << ' ' << v.z << '\n';
+  const auto lines = [](std::size_t first, std::size_t end) {
+    std::string text = "#MRGB ";
+    for (std::size_t i = first; i < end; ++i) {
+      const glm::u8vec3 color = colorAt(kCube.vertices[i]);
+      char digits[9];
+      std::snprintf(digits, sizeof digits, "ff%02x%02X%02x", color.x, color.y, color.z);
+      text += digits;
+    }
+    return text + "\n";
+  };
+  std::ostringstream faces;
+  for (const glm::uvec3& t : kCube.triangles) {
+    faces << "f " << t.x + 1 << ' ' << t.y + 1 << ' ' << t.z + 1 << '\n';
+  }
+  expectColors(read("cube.obj", out.str() + lines(0, 5) + lines(5, 8) + faces.str()));
+  for (const std::string& other : {lines(0, 7), lines(0, 8) + "#MRGB ff\n#MRGB comment\n",
+                                   std::string("#MRGB\n#MRGB zz000000\n")}) {
+    const SourceMesh source = read("cube.obj", out.str() + other + faces.str());
+    EXPECT_EQ(source.mesh.attributes.colors.empty(), other.size() < 70u) << other;
+  }
+}
+
+// A binary STL of the cube, with two bytes for each triangle.
+std::string stlOf(const std::string& header, const std::vector<std::uint16_t>& values) {
+  std::string bytes = header + std::string(80 - header.size(), ' ');
+  const auto add = [&](const auto& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  add(static_cast<std::uint32_t>(kCube.triangles.size()));
+  for (std::size_t t = 0; t < kCube.triangles.size(); ++t) {
+    add(glm::vec3(0.0f));
+    for (int k = 0; k < 3; ++k) add(glm::vec3(kCube.vertices[kCube.triangles[t][k]]));
+    add(values[t]);
+  }
+  return bytes;
+}
+
+TEST_F(ReadAppearance, StlHasColorsOfFacets) {
+  constexpr std::uint16_t kSet = 0x8000, kOrange = 31 << 10 | 16 << 5 | 1;  // red high
+  std::vector<std::uint16_t> values(12, 0);
+  EXPECT_TRUE(read("cube.stl", stlOf("", values)).mesh.attributes.colors.empty());
+  values[3] = kSet | kOrange;
+  SourceMesh source = read("cube.stl", stlOf("", values));
+  ASSERT_EQ(source.mesh.attributes.colors.size(), 12u);
+  for (std::size_t t = 0; t < 12; ++t) {
+    const glm::u8vec3 expected = t == 3 ? glm::u8vec3(255, 132, 8) : glm::u8vec3(255);
+    for (const glm::u8vec3& color : source.mesh.attributes.colors[t]) EXPECT_EQ(color, expected);
+  }
+  values[5] = 12;  // not of colors
+  EXPECT_TRUE(read("cube.stl", stlOf("", values)).mesh.attributes.colors.empty());
+  // Magics: red is low, and a set bit is the color of the whole.
+  source = read("cube.stl", stlOf(std::string("COLOR=\x0a\x14\x1e\xff", 10), values));
+  ASSERT_EQ(source.mesh.attributes.colors.size(), 12u);
+  EXPECT_EQ(source.mesh.attributes.colors[3][0], glm::u8vec3(10, 20, 30));
+  EXPECT_EQ(source.mesh.attributes.colors[5][0], glm::u8vec3(99, 0, 0));
+  EXPECT_EQ(source.mesh.attributes.colors[0][0], glm::u8vec3(0));
+}
+
 TEST_F(ReadAppearance, ObjWithoutItsLibraryKeepsNames) {
   const SourceMesh source = read("cube.obj", objOf("mtllib gone.mtl\n", false));
   expectTexcoords(source);

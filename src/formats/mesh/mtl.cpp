@@ -15,8 +15,27 @@
 namespace sherd {
 namespace {
 
-// Returns the name after the options of a map: "-s 1 1 1 -clamp on the bark.png".
-std::string_view withoutOptions(std::string_view line) {
+// A map's file and its tiling.
+struct Map {
+  std::string_view name;
+  MtlTiling tiling{};
+};
+
+// Reads one to three numbers, of which the first two are used: "-s 2" is for the first direction
+// alone.
+glm::vec2 pairOf(std::string_view& rest, glm::vec2 usual) {
+  for (int i = 0; i < 3; ++i) {
+    std::string_view next = rest;
+    const auto value = parseReal(takeWord(next));
+    if (!value) break;
+    if (i < 2 && std::isfinite(*value)) usual[i] = static_cast<float>(*value);
+    rest = next;
+  }
+  return usual;
+}
+
+// Returns what follows the options of a map: "-s 2 2 1 -clamp on the bark.png".
+Map mapOf(std::string_view line) {
   constexpr std::array<std::pair<std::string_view, int>, 11> kWords{{{"-blendu", 1},
                                                                      {"-blendv", 1},
                                                                      {"-boost", 1},
@@ -28,19 +47,20 @@ std::string_view withoutOptions(std::string_view line) {
                                                                      {"-texres", 1},
                                                                      {"-type", 1},
                                                                      {"-colorspace", 1}}};
+  MtlTiling tiling;
   for (;;) {
     std::string_view rest = line;
     const std::string_view word = takeWord(rest);
-    if (word == "-o" || word == "-s" || word == "-t") {  // one to three numbers
-      for (int i = 0; i < 3; ++i) {
-        std::string_view next = rest;
-        if (!isNumber(takeWord(next))) break;
-        rest = next;
-      }
+    if (word == "-o") {
+      tiling.offset = pairOf(rest, tiling.offset);
+    } else if (word == "-s") {
+      tiling.scale = pairOf(rest, tiling.scale);
+    } else if (word == "-t") {  // turbulence, which no other format has
+      pairOf(rest, {});
     } else {
       const auto* known = std::find_if(kWords.begin(), kWords.end(),
                                        [&](const auto& option) { return option.first == word; });
-      if (known == kWords.end()) return trimmed(line);
+      if (known == kWords.end()) return {trimmed(line), tiling};
       for (int i = 0; i < known->second; ++i) takeWord(rest);
     }
     line = rest;
@@ -66,6 +86,18 @@ std::optional<double> shareOf(std::string_view rest) {
   return std::clamp(static_cast<double>(*value), 0.0, 1.0);
 }
 
+// Sets one of a material's maps.  The tiling of map_Kd is that of all.
+void setMap(std::string* map, const Map& read, MtlMaterial& material) {
+  const bool isBase = map == &material.texture;
+  const bool isFirst = material.texture.empty() && material.roughnessMap.empty() &&
+                       material.metallicMap.empty() && material.emissionMap.empty() &&
+                       material.opacityMap.empty() && material.normalMap.empty() &&
+                       material.bumpMap.empty();
+  material.hasOtherTilings |= !isFirst && read.tiling != material.tiling;
+  if (isBase || isFirst) material.tiling = read.tiling;
+  *map = read.name;
+}
+
 void take(std::string_view keyword, std::string_view rest, MtlMaterial& material) {
   const std::array<std::pair<std::string_view, std::string*>, 10> maps{
       {{"map_Kd", &material.texture},
@@ -79,7 +111,7 @@ void take(std::string_view keyword, std::string_view rest, MtlMaterial& material
        {"bump", &material.bumpMap},
        {"Bump", &material.bumpMap}}};
   for (const auto& [name, map] : maps) {
-    if (keyword == name) *map = withoutOptions(rest);
+    if (keyword == name) setMap(map, mapOf(rest), material);
   }
   if (keyword == "Kd") {
     if (const auto color = colorOf(rest)) material.color = glm::min(*color, glm::vec3(1.0f));

@@ -4,6 +4,7 @@
 #include <sherd/mesh.h>
 
 #include <functional>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <map>
 #include <optional>
@@ -12,6 +13,12 @@
 #include <vector>
 
 namespace sherd {
+
+/// How a map lies on a surface: it shows offset + scale * texture coordinates.
+struct MtlTiling {
+  glm::vec2 scale{1.0f}, offset{0.0f};
+  bool operator==(const MtlTiling&) const = default;
+};
 
 /// The properties of a material in a library.  Maps are files' names, without options; empty: none.
 struct MtlMaterial {
@@ -22,6 +29,8 @@ struct MtlMaterial {
   std::string roughnessMap, metallicMap;               ///< map_Pr, map_Pm
   std::string emissionMap, opacityMap;                 ///< map_Ke, map_d
   std::string normalMap;                               ///< norm
+  MtlTiling tiling;                                    ///< of map_Kd, else of the first map
+  bool hasOtherTilings = false;                        ///< of some other map
   std::string bumpMap;  ///< map_Bump or bump: a normal map, as Blender writes it, or heights
 };
 

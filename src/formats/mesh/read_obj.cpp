@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <limits>
 #include <map>
@@ -65,7 +66,8 @@ struct CornerIndices {
 struct Reader {
   const MeshFile& file;
   PolygonMesh mesh{};
-  std::vector<glm::vec3> colors{};  // [vertices] or empty
+  std::vector<glm::vec3> colors{};     // [vertices] or empty
+  std::vector<glm::vec3> polypaint{};  // the same, of comments
   std::vector<glm::vec2> texcoords{};
   std::vector<glm::vec3> normals{};
   CornerIndices texcoordIndices{"texture coordinate"}, normalIndices{"normal"};
@@ -91,6 +93,23 @@ struct Reader {
     if (count < 6 && colors.empty()) return;
     colors.resize(mesh.vertices.size(), glm::vec3(1.0f));
     if (count == 6) colors.back() = {values[3], values[4], values[5]};
+  }
+
+  // Eight digits for each of the next vertices, in ZBrush's files: a mask, which is left out, and
+  // the color.  A line that is not so is a comment.
+  void addPolypaint(std::string_view digits) {
+    constexpr std::size_t kDigits = 8;
+    digits = trimmed(digits);
+    const auto channel = [&](std::size_t at) {
+      unsigned value = 0;
+      std::from_chars(digits.data() + at, digits.data() + at + 2, value, 16);
+      return static_cast<float>(value) / 255.0f;
+    };
+    const auto isDigit = [](unsigned char c) { return std::isxdigit(c) != 0; };
+    if (digits.size() % kDigits != 0 || !std::ranges::all_of(digits, isDigit)) return;
+    for (std::size_t at = 0; at < digits.size(); at += kDigits) {
+      polypaint.emplace_back(channel(at + 2), channel(at + 4), channel(at + 6));
+    }
   }
 
   // A corner "v", "v/vt", "v//vn" or "v/vt/vn"; numbers below 0 count from the end.
@@ -173,7 +192,7 @@ struct Reader {
   // Bytes held, with the look-up of names.
   [[nodiscard]] std::uint64_t bytesHeld() const {
     constexpr std::uint64_t kName = 160;
-    return mesh.bytes() + (colors.size() + normals.size()) * sizeof(glm::vec3) +
+    return mesh.bytes() + (colors.size() + polypaint.size() + normals.size()) * sizeof(glm::vec3) +
            texcoords.size() * sizeof(glm::vec2) +
            (texcoordIndices.ofCorners.size() + normalIndices.ofCorners.size() +
             groupOfFace.size()) *
@@ -212,6 +231,8 @@ struct Reader {
         libraries.emplace_back(trimmed(rest));
       } else if (keyword == "o") {
         object = objects.numberOf(trimmed(rest));
+      } else if (keyword == "#MRGB") {
+        addPolypaint(rest);
       } else if (keyword == "g") {
         group = groups.numberOf(trimmed(rest));
       }
@@ -243,7 +264,7 @@ struct Reader {
   }
 
   // A line is one file name, possibly with blanks, or several names.
-  void readLibraries(RawMesh& out) const {
+  void readLibraries(RawMesh& out) {
     // A line "newmtl a" makes an entry of the map.
     constexpr std::uint64_t kMostPerByte = 16;
     std::map<std::string, MtlMaterial> known;
@@ -267,8 +288,32 @@ struct Reader {
     addProperties(known, out);
   }
 
+  // Other formats have no tiling beside a texture's name: it is applied to the coordinates of the
+  // faces with the material.
+  void tile(const std::map<std::string, MtlMaterial>& known, RawMesh& out) {
+    std::vector<MtlTiling> tilings;
+    bool isAny = false;
+    for (const Material& named : out.appearance.materials) {
+      const auto found = known.find(named.name);
+      tilings.push_back(found == known.end() ? MtlTiling() : found->second.tiling);
+      isAny |= tilings.back() != MtlTiling();
+      if (found == known.end() || !found->second.hasOtherTilings) continue;
+      out.warnings.push_back(file.name + ": the maps of its material " + inQuotes(named.name) +
+                             " are tiled in several ways, and all get that of its base color");
+    }
+    if (!isAny) return;
+    std::uint32_t first = 0;
+    for (std::size_t f = 0; f < mesh.faceEnds.size(); ++f) {
+      const MtlTiling& tiling = tilings[mesh.faceMaterials[f]];
+      for (; first < mesh.faceEnds[f]; ++first) {
+        glm::vec2& at = mesh.cornerTexcoords[first];
+        at = tiling.offset + tiling.scale * at;
+      }
+    }
+  }
+
   // Textures of base colors precede the others.
-  void addProperties(const std::map<std::string, MtlMaterial>& known, RawMesh& out) const {
+  void addProperties(const std::map<std::string, MtlMaterial>& known, RawMesh& out) {
     const bool textured = !mesh.cornerTexcoords.empty();
     const auto textureOf = [&](const std::string& name) {
       return textured ? textureBeside(file, name, out) : -1;
@@ -288,6 +333,7 @@ struct Reader {
       if (found == known.end()) continue;
       named.gltf = gltfOf(found->second, named.texture, textureOf, isGray, leftOut);
     }
+    if (textured) tile(known, out);
     for (const std::string& name : leftOut) {
       if (!textured) break;
       out.warnings.push_back(file.name + ": its texture " + inQuotes(name) +
@@ -311,6 +357,7 @@ struct Reader {
   RawMesh read() {
     readLines();
     checkIndices();
+    if (colors.empty() && polypaint.size() == mesh.vertices.size()) colors = std::move(polypaint);
     RawMesh out;
     takeChannel(out);
     mesh.vertexColors = colorsFrom(colors);

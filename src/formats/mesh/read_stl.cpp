@@ -29,6 +29,58 @@ void addTriangle(RawMesh& out) {
   out.triangles.emplace_back(first, first + 1, first + 2);
 }
 
+// The colors of a binary file, which two programs put into the unspecified bytes, 15 bits a facet.
+// Magics has a color of the whole in the header, and a set highest bit says that a facet has it;
+// for VisCAM and SolidView a set bit says that a facet has one of its own, whose channels are in
+// the other order.
+class FacetColors {
+ public:
+  explicit FacetColors(std::string_view bytes) {
+    constexpr std::string_view kName = "COLOR=";
+    const std::size_t at = bytes.substr(0, 80).find(kName);
+    if (at > 80 - kName.size() - 4) return;
+    const auto channel = [&](std::size_t i) {
+      return static_cast<std::uint8_t>(bytes[at + kName.size() + i]);
+    };
+    ofMagics_ = true;
+    ofWhole_ = {channel(0), channel(1), channel(2)};
+  }
+
+  // Whether facets have colors: in a file without "COLOR=", only if no facet has other values
+  // there.
+  //   count  facets
+  [[nodiscard]] bool areIn(std::string_view bytes, std::size_t count) const {
+    if (ofMagics_) return true;
+    bool has = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint16_t value = valueOf(bytes, i);
+      if (value != 0 && (value & kHighest) == 0) return false;
+      has |= value != 0;
+    }
+    return has;
+  }
+
+  [[nodiscard]] glm::u8vec3 of(std::string_view bytes, std::size_t facet) const {
+    const std::uint16_t value = valueOf(bytes, facet);
+    if (((value & kHighest) != 0) == ofMagics_) return ofWhole_;
+    const auto channel = [value](int shift) {
+      return static_cast<std::uint8_t>(((value >> shift & 31) * 255 + 15) / 31);
+    };
+    const glm::u8vec3 color(channel(0), channel(5), channel(10));
+    return ofMagics_ ? color : glm::u8vec3(color.z, color.y, color.x);
+  }
+
+ private:
+  static constexpr std::uint16_t kHighest = 0x8000;
+
+  static std::uint16_t valueOf(std::string_view bytes, std::size_t facet) {
+    return loadLittle<std::uint16_t>(bytes.data() + kHeader + kRecord * facet + 48);
+  }
+
+  bool ofMagics_ = false;
+  glm::u8vec3 ofWhole_{255};
+};
+
 RawMesh readBinary(const MeshFile& file, std::size_t count) {
   charge(file, count, 3 * sizeof(glm::dvec3) + sizeof(glm::uvec3));
   checkpoint(file);
@@ -47,6 +99,13 @@ RawMesh readBinary(const MeshFile& file, std::size_t count) {
       out.vertices.emplace_back(x, y, z);
     }
     addTriangle(out);
+  }
+  const FacetColors colors(file.bytes);
+  if (!colors.areIn(file.bytes, count)) return out;
+  charge(file, count, sizeof(out.attributes.colors[0]));
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::u8vec3 color = colors.of(file.bytes, i);
+    out.attributes.colors.push_back({color, color, color});
   }
   return out;
 }
