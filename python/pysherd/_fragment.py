@@ -82,6 +82,12 @@ class Fragment:
         return self._fracture._arrays(self._index)[2]
 
     @property
+    def coarse(self) -> list[tuple[Array, Array, Array]]:
+        """Vertices, faces and neighbors of the mesh with at most so many faces, for each number of `triangles` that `fracture` was
+        given.  Cracks of neighbors are the same at each number."""
+        return self._fracture._meshed.coarse(self._index)
+
+    @property
     def source_faces(self) -> Array | None:
         """(m,) int32, per face the index of the input's face on which it lies, -1 on cracks and where a hole was closed.
 

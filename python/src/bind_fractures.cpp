@@ -202,6 +202,20 @@ nb::tuple arraysOf(const Fragments& fragments, std::size_t i) {
                         arrayOf<std::uint16_t>(arrays.neighbor, {arrays.neighbor->size()}));
 }
 
+// Copies, since the same meshes may be read by other threads.
+nb::list coarseOf(const Fragments& fragments, std::size_t i) {
+  nb::list levels;
+  for (const sherd::TriangleMesh& mesh : fragments.at(i).coarse) {
+    std::vector<std::uint16_t> neighbor = mesh.neighbor;
+    neighbor.resize(mesh.triangles.size(), 0);
+    const std::size_t triangles = neighbor.size();
+    levels.append(nb::make_tuple(arrayOf(std::vector<glm::dvec3>(mesh.vertices)),
+                                 arrayOf(std::vector<glm::uvec3>(mesh.triangles)),
+                                 arrayOf<std::uint16_t>(std::move(neighbor), {triangles})));
+  }
+  return levels;
+}
+
 nb::object sourceFacesOf(const Fragments& fragments, std::size_t i) {
   const auto faces = fragments.of->sourceFaces(i);
   return faces ? arrayOf<std::int32_t>(faces, {faces->size()}) : nb::none();
@@ -211,6 +225,7 @@ void bindFragments(nb::module_& module) {
   using I = std::size_t;
   nb::class_<Fragments>(module, "Fragments")
       .def("arrays", arraysOf)
+      .def("coarse", coarseOf)
       .def("source_faces", sourceFacesOf)
       .def("voxels", [](const Fragments& f, I i) { return f.at(i).voxels; })
       .def("volume", [](const Fragments& f, I i) { return f.at(i).mass.volume; })

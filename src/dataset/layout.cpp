@@ -75,7 +75,7 @@ FractureFiles filesBy(const Naming& naming, const NamedObject& object, std::size
   if (write.boundaries) files.boundaries = whole + "boundaries.obj";
   if (write.cost) files.cost = whole + "cost.vdb";
   if (write.scene) files.scene = whole + "scene.glb";
-  if (write.houdini) files.houdini = whole + "pieces.geo";
+  if (write.houdini) files.houdini = houdiniNames(whole, object.options.surface.triangles);
   if (write.graph) files.graph = whole + "graph.json";
   if (write.graph || write.houdini) files.constraints = whole + "graph.geo";
   if (write.viewer) files.viewer = whole + "viewer.html";

@@ -51,6 +51,15 @@ bool isSubfolder(const std::string& name) {
   return false;
 }
 
+std::vector<std::string> houdiniNames(const std::string& prefix,
+                                      const std::vector<std::size_t>& triangles) {
+  std::vector<std::string> names{prefix + "pieces.geo"};
+  for (const std::size_t t : triangles) {
+    names.push_back(prefix + "pieces_t" + std::to_string(t) + ".geo");
+  }
+  return names;
+}
+
 FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
                         const std::vector<std::size_t>& triangles, const MaterialTable& table,
                         const WriteOptions& write) {
@@ -85,7 +94,7 @@ FractureFiles fileNames(const SourceMesh& source, std::size_t fragments,
     if (write.usd)
       files.usd.push_back(std::string("scene.") + names::of(names::kUsdFormat, format));
   }
-  if (write.houdini) files.houdini = "pieces.geo";
+  if (write.houdini) files.houdini = houdiniNames({}, triangles);
   if (write.graph) files.graph = "graph.json";
   if (write.graph || write.houdini) files.constraints = "graph.geo";
   if (write.viewer) files.viewer = "viewer.html";

@@ -21,4 +21,8 @@ namespace sherd {
                                       const std::vector<std::size_t>& triangles,
                                       const MaterialTable& table, const WriteOptions& write);
 
+/// Returns the names of files for Houdini: of the meshes, then of each number of triangles.
+[[nodiscard]] std::vector<std::string> houdiniNames(const std::string& prefix,
+                                                    const std::vector<std::size_t>& triangles);
+
 }  // namespace sherd

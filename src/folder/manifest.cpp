@@ -242,7 +242,7 @@ void addFiles(Json& manifest, const FractureFiles& files) {
   if (!files.allVdb.empty()) manifest["vdb"] = files.allVdb;
   if (!files.scene.empty()) manifest["scene"] = files.scene;
   if (!files.usd.empty()) manifest["usd"] = pathsJson(files.usd);
-  if (!files.houdini.empty()) manifest["houdini"] = files.houdini;
+  if (!files.houdini.empty()) manifest["houdini"] = pathsJson(files.houdini);
   if (!files.graph.empty()) manifest["graph"] = files.graph;
   if (!files.viewer.empty()) manifest["viewer"] = files.viewer;
   if (!files.solidSdf.empty()) manifest["sdf"] = files.solidSdf;
@@ -273,8 +273,9 @@ std::vector<std::string> FractureFiles::all() const {
     }
   }
   list.insert(list.end(), usd.begin(), usd.end());
+  list.insert(list.end(), houdini.begin(), houdini.end());
   for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds,
-                                  boundaries, cost, scene, houdini, graph, constraints, viewer}) {
+                                  boundaries, cost, scene, graph, constraints, viewer}) {
     if (!file.empty()) list.push_back(file);
   }
   return list;

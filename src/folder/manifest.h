@@ -40,8 +40,8 @@ struct FractureFiles {
   std::string boundaries;
   std::string cost;
   std::string scene;
-  std::vector<std::string> usd;  ///< [formats] or empty
-  std::string houdini;
+  std::vector<std::string> usd;      ///< [formats] or empty
+  std::vector<std::string> houdini;  ///< of the meshes, then of each number of triangles
   std::string graph;
   std::string constraints;
   std::string viewer;

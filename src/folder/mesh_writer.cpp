@@ -1,6 +1,9 @@
 // Writes the meshes of a fracture with the surface attributes of the input mesh.
 #include "folder/mesh_writer.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "appearance/source_faces.h"
 #include "folder/file_names.h"
 #include "folder/split_levels.h"
@@ -86,10 +89,38 @@ std::vector<std::string> MeshWriter::namesOf(std::span<const Fragment> fragments
   return names;
 }
 
+MeshWriter::Levels MeshWriter::levelsOf(std::span<const Fragment> fragments) const {
+  const std::size_t count = fragments.empty() ? 0 : fragments.front().coarse.size();
+  const auto trianglesOf = [&](std::size_t level) {
+    std::size_t all = 0;
+    for (const Fragment& own : fragments) {
+      all += (level < count ? own.coarse[level] : own.mesh).triangles.size();
+    }
+    return all;
+  };
+  std::vector<std::pair<std::size_t, std::size_t>> sizes;  // triangles of all, level
+  for (std::size_t k = 0; k < count; ++k) sizes.emplace_back(trianglesOf(k), k);
+  std::sort(sizes.rbegin(), sizes.rend());
+  Levels levels;
+  levels.meshes.resize(fragments.size());
+  levels.attributes.resize(fragments.size());
+  std::size_t last = trianglesOf(count);
+  for (const auto& [triangles, level] : sizes) {
+    if (triangles >= last) continue;
+    last = triangles;
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      levels.meshes[i].push_back(&fragments[i].coarse[level]);
+      levels.attributes[i].push_back(attributesOf(fragments[i].coarse[level]));
+    }
+  }
+  return levels;
+}
+
 FragmentScene MeshWriter::sceneOf(std::span<const Fragment> fragments,
                                   std::span<const SurfaceAttributes> attributes,
-                                  std::span<const std::string> names, std::span<const Split> splits,
-                                  const FractureFiles& files, double voxelSize) const {
+                                  std::span<const std::string> names, const Levels& levels,
+                                  std::span<const Split> splits, const FractureFiles& files,
+                                  double voxelSize) const {
   const SplitParents parents = parentsOf(splits, fragments.size());
   FragmentScene scene{.name = stem_,
                       .parentOfSplit = parents.ofSplit,
@@ -100,9 +131,14 @@ FragmentScene MeshWriter::sceneOf(std::span<const Fragment> fragments,
                       .plain = options_.plainMeshes};
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const Fragment& fragment = fragments[i];
+    std::vector<PieceMesh> coarse;
+    for (std::size_t k = 0; k < levels.meshes[i].size(); ++k) {
+      coarse.push_back({names[i], *levels.meshes[i][k], levels.attributes[i][k], table_});
+    }
     scene.pieces.push_back(
         {.id = fragment.id,
          .piece = {names[i], fragment.mesh, attributes[i], table_},
+         .coarse = std::move(coarse),
          .mass = fragment.mass,
          .contacts = fragment.contacts,
          .split = parents.ofFragment[static_cast<std::size_t>(fragment.id - 1)],
@@ -117,7 +153,9 @@ void MeshWriter::writeScenes(std::span<const Fragment> fragments,
                              std::span<const Split> splits, const FractureFiles& files,
                              double voxelSize, const Progress* progress) const {
   const std::vector<std::string> names = namesOf(fragments);
-  const FragmentScene scene = sceneOf(fragments, attributes, names, splits, files, voxelSize);
+  const Levels levels = levelsOf(fragments);
+  const FragmentScene scene =
+      sceneOf(fragments, attributes, names, levels, splits, files, voxelSize);
   if (!files.scene.empty()) writeSceneGlb(folder_ / files.scene, scene, progress);
   for (std::size_t i = 0; i < files.usd.size(); ++i) {
     const OutputFile file = folder_ / files.usd[i];
@@ -128,19 +166,26 @@ void MeshWriter::writeScenes(std::span<const Fragment> fragments,
 
 void MeshWriter::writeHoudini(std::span<const Fragment> fragments,
                               std::span<const SurfaceAttributes> attributes,
-                              std::span<const Split> splits, const std::string& path,
+                              std::span<const Split> splits, const std::vector<std::string>& paths,
                               const Progress* progress) const {
   const std::vector<UnrealCluster> clusters =
       unrealClusters(SplitLevels(parentsOf(splits, fragments.size())), fragments);
   const std::vector<std::string> names = namesOf(fragments);
-  std::vector<GeoPiece> pieces;
-  for (std::size_t i = 0; i < fragments.size(); ++i) {
-    pieces.push_back({.id = fragments[i].id,
-                      .piece = {names[i], fragments[i].mesh, attributes[i], table_},
-                      .level = clusters[i].level,
-                      .cluster = clusters[i].cluster});
+  for (std::size_t file = 0; file < paths.size(); ++file) {
+    std::vector<SurfaceAttributes> ofCoarse;
+    for (const Fragment& fragment : fragments) {
+      if (file > 0) ofCoarse.push_back(attributesOf(fragment.coarse[file - 1]));
+    }
+    std::vector<GeoPiece> pieces;
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      const TriangleMesh& mesh = file == 0 ? fragments[i].mesh : fragments[i].coarse[file - 1];
+      pieces.push_back({.id = fragments[i].id,
+                        .piece = {names[i], mesh, file == 0 ? attributes[i] : ofCoarse[i], table_},
+                        .level = clusters[i].level,
+                        .cluster = clusters[i].cluster});
+    }
+    writeGeo(folder_ / paths[file], pieces, progress);
   }
-  writeGeo(folder_ / path, pieces, progress);
 }
 
 }  // namespace sherd

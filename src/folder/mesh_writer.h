@@ -52,21 +52,32 @@ class MeshWriter {
   /// Writes all fragments as polygons of one file for Houdini.
   ///   attributes  [fragments] attributesOf their meshes
   ///   splits      of the fracture, the withheld fragments' included
-  ///   path        in the folder
+  ///   paths       in the folder: of the meshes, then of each number of triangles
   void writeHoudini(std::span<const Fragment> fragments,
                     std::span<const SurfaceAttributes> attributes, std::span<const Split> splits,
-                    const std::string& path, const Progress* progress) const;
+                    const std::vector<std::string>& paths, const Progress* progress) const;
 
  private:
+  // The coarse meshes of fragments with their attributes.
+  struct Levels {
+    std::vector<std::vector<const TriangleMesh*>> meshes;    // [fragments][levels]
+    std::vector<std::vector<SurfaceAttributes>> attributes;  // of each
+  };
+  // Returns those that have fewer triangles than the mesh and the level before, the finest first;
+  // all fragments have as many.
+  Levels levelsOf(std::span<const Fragment> fragments) const;
+
   void writeAs(MeshFileFormat format, const std::string& path, const PieceMesh& piece) const;
   std::vector<std::int32_t> facesOf(const TriangleMesh& mesh) const;
   // Returns [fragments] the names of their files.
   std::vector<std::string> namesOf(std::span<const Fragment> fragments) const;
-  //   names  [fragments] to which the scene refers
+  //   names   [fragments] to which the scene refers
+  //   levels  the same
   FragmentScene sceneOf(std::span<const Fragment> fragments,
                         std::span<const SurfaceAttributes> attributes,
-                        std::span<const std::string> names, std::span<const Split> splits,
-                        const FractureFiles& files, double voxelSize) const;
+                        std::span<const std::string> names, const Levels& levels,
+                        std::span<const Split> splits, const FractureFiles& files,
+                        double voxelSize) const;
 
   const OutputFolder& folder_;
   const MaterialTable& table_;

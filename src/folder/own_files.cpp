@@ -104,8 +104,9 @@ class PossibleNames {
   }
 
   bool contains(const std::string& name) const {
-    if (all_.contains(name)) return true;
-    return (hasTextures_ && isTexture(name)) || meshes_.contains(withoutTriangles(name));
+    const std::string plain = withoutTriangles(name);
+    if (all_.contains(name) || (plain == "pieces.geo" && all_.contains(plain))) return true;
+    return (hasTextures_ && isTexture(name)) || meshes_.contains(plain);
   }
 
  private:

@@ -451,9 +451,11 @@ const Row kSurfaceRows[]{
            setTriangles(o.fracture.surface.triangles, text);
          },
          [](R o) { return trianglesText(o.fracture.surface.triangles); }),
-     .help = "Also write each mesh decimated to at most so many triangles, once per number",
-     .details = "also write every mesh decimated to at most this number of triangles, one "
-                "file per number",
+     .help = "Also write each mesh decimated to at most so many triangles, once per number, as "
+             "levels of detail in scenes",
+     .details = "also write every mesh decimated to at most this number of triangles, one file per "
+                "number; in `scene.glb` and `scene.usda` as levels of detail of each fragment, "
+                "for Houdini as `pieces_tT.geo`. Neighbors share their cracks at each number",
      .key = "surface.triangles",
      .drawn = true},
 };

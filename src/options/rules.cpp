@@ -300,10 +300,16 @@ std::vector<Rule> surfaceRules() {
 
 std::vector<Rule> formatRules() {
   return {
-      {{"triangles", "mesh-format"},
+      {{"mesh-format"},
        Verdict::idle,
        [](O o, U) { return !writes(o, {"mesh"}); },
        "does nothing without mesh in {write}"},
+      {{"triangles"},
+       Verdict::idle,
+       [](O o, U) {
+         return !writes(o, {"mesh", "scene", "usd", "houdini"});
+       },
+       "does nothing without mesh, scene, usd or houdini in {write}"},
       {{"plain-meshes"},
        Verdict::idle,
        [](O o, U) {

@@ -87,7 +87,7 @@ class Geo(CommandLine):
         self.assertEqual([last[level] for level in levels], sorted(of_depth))
         return levels
 
-    def check_constraints(self, manifest, strength=1, out=None):
+    def check_constraints(self, manifest, strength=1e5, out=None):
         geo = self.geometry("graph.geo", out)
         fragments = manifest["fragments"]
         self.assertEqual(list(geo.point("name")), [f"piece{f['id']}" for f in fragments])
@@ -120,6 +120,16 @@ class Geo(CommandLine):
         self.assertEqual(self.check_clusters(manifest, geo), [1])
         self.assertEqual(set(geo.primitive("unreal_gc_cluster")), {-1})
         self.check_constraints(manifest)
+
+    def test_decimated_meshes_have_files_of_their_own(self):
+        manifest = self.broken("--triangles", "200")
+        self.assertEqual(manifest["houdini"], ["pieces.geo", "pieces_t200.geo"])
+        geo = Geometry(os.path.join(self.out, "pieces_t200.geo"))
+        triangles = [d["triangles"] for f in manifest["fragments"] for d in f["decimated"]]
+        self.assertLessEqual(max(triangles), 200)
+        self.assertEqual(len(geo.primitive("name")), sum(triangles))
+        self.broken(write="mesh")
+        self.assertEqual([name for name in os.listdir(self.out) if name.endswith(".geo")], [])
 
     def test_levels_are_those_of_splits(self):
         manifest = self.broken("--growth", "sequential", "--joint-strength", "3", pieces=9)

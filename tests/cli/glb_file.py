@@ -151,7 +151,9 @@ class Glb:
     def check_nodes(self, test):
         nodes = self.json["nodes"]
         parents = self.parents()
-        roots = [i for i in range(len(nodes)) if i not in parents]
+        coarse = {i for n in nodes for i in n.get("extensions", {}).get("MSFT_lod", {}).get("ids", [])}
+        test.assertFalse(coarse & set(parents), "a level of detail is shown beside another")
+        roots = [i for i in range(len(nodes)) if i not in parents and i not in coarse]
         test.assertEqual(sorted(self.json["scenes"][self.json["scene"]]["nodes"]), roots)
         test.assertEqual(sum(len(n.get("children", [])) for n in nodes), len(parents), "one parent at most")
         for node in nodes:

@@ -195,6 +195,35 @@ class Hosts(CommandLine):
             np.testing.assert_allclose(at.min(0) + node["translation"], fragment["bbox"]["min"], atol=1e-5)
             np.testing.assert_allclose(at.max(0) + node["translation"], fragment["bbox"]["max"], atol=1e-5)
 
+    def test_a_scene_has_levels_of_detail(self):
+        manifest = self.broken("--write", "scene", "--triangles", "60,400,1000000")
+        file = Glb(self, os.path.join(self.out, "scene.glb"))
+        self.assertEqual(file.json["extensionsUsed"], ["EXT_mesh_manifold", PHYSICS, "MSFT_lod"])
+        nodes = file.json["nodes"]
+        self.assertEqual(file.json["scenes"][0]["nodes"], list(range(PIECES)))
+        children = {child for node in nodes for child in node.get("children", [])}
+        cracks = [{}, {}, {}]  # of each level, triangles by their sorted positions
+        for i, fragment in enumerate(manifest["fragments"]):
+            self.assertNotIn("mesh", nodes[i])
+            first = file.physics(i)["collider"]["geometry"]["node"]
+            self.assertIn(first, nodes[i]["children"])
+            levels = [first, *nodes[first]["extensions"]["MSFT_lod"]["ids"]]
+            self.assertEqual(len(levels), 3)  # more triangles than there are make no level
+            self.assertEqual(nodes[first]["extras"]["MSFT_screencoverage"], [0.5, 0.25, 0.0])
+            self.assertFalse(children & set(levels[1:]), "a scene shows a coarse mesh beside the whole one")
+            for k, (level, most) in enumerate(zip(levels, (10**6, 400, 60))):
+                self.assertEqual(nodes[level]["name"], f"amphora_{fragment['id']:03d}_LOD{k}")
+                at, triangles, merged = file.whole(nodes[level]["mesh"])
+                self.assertLessEqual(len(triangles), most)
+                self.assertIsNotNone(merged, "a closed mesh")
+                self.assertAlmostEqual(volume(at, triangles) / fragment["volume"], 1, delta=(1e-4, 0.1, 0.5)[k])
+                for corners in (at[triangles] + nodes[i]["translation"]).round(4) + 0.0:
+                    key = tuple(sorted(map(tuple, corners.tolist())))
+                    cracks[k][key] = cracks[k].get(key, 0) + 1
+        for level in cracks:  # faces of cracks are in two pieces
+            self.assertEqual(max(level.values()), 2)
+            self.assertGreater(list(level.values()).count(2), PIECES)
+
     def test_graph_has_a_bond_for_each_contact(self):
         manifest = self.broken("--write", "graph")
         with open(os.path.join(self.out, "graph.json")) as file:

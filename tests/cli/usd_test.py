@@ -145,6 +145,25 @@ class Usd(CommandLine):
             self.assertEqual(path.split("/")[3:-1], levels)
         self.assertEqual(len([p for p, _ in root.walk() if "/split" in p and p.split("/")[-1].startswith("split")]), 8)
 
+    def test_levels_of_detail_are_variants(self):
+        manifest = self.broken("--triangles", "60,400")
+        with open(os.path.join(self.out, "scene.usda"), encoding="utf-8") as file:
+            _, root = read_usda(file.read())
+        pieces = {path: prim for path, prim in root.walk() if "PhysicsRigidBodyAPI" in prim.metadata.get("apiSchemas", [])}
+        self.assertEqual(len(pieces), 6)
+        for fragment in manifest["fragments"]:
+            _, prim = self.piece_of(pieces, fragment)
+            self.assertEqual((prim.metadata["variants"], prim.metadata["variantSets"], prim.children), ({"lod": "LOD0"}, "lod", []))
+            self.assertEqual(sorted(prim.variants["lod"]), ["LOD0", "LOD1", "LOD2"])
+            names = [fragment["files"]["mesh"], *(d["file"] for d in reversed(fragment["decimated"]))]
+            for level, name in enumerate(names):
+                mesh = prim.variants["lod"][f"LOD{level}"].child(prim.name)
+                self.check_mesh(mesh, root)
+                vertices, triangles, _ = read_triangles(os.path.join(self.out, name))
+                at = np.array(mesh.values["points"]) + prim.values["xformOp:translate"]
+                np.testing.assert_allclose(at, vertices, atol=2 * np.spacing(np.float32(np.abs(vertices).max())))
+                self.assertEqual(mesh.values["faceVertexIndices"], triangles.ravel().tolist())
+
     def test_pieces_are_apart_in_one_variant(self):
         manifest = self.broken("--growth", "sequential")
         _, root, pieces = self.scene()

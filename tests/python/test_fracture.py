@@ -402,3 +402,18 @@ def test_bodies_that_overlap_are_united_or_kept():
         assert len(found) == 6
     with pytest.raises(pysherd.UsageError, match="bodies"):
         pysherd.fracture(mesh, bodies="keep", fill="parity")
+
+
+def test_decimated_meshes_share_their_cracks():
+    fracture = pysherd.fracture(cube(), pieces=4, resolution=32, surface="smooth", adaptivity=0, triangles=[400, 80])
+    for level, most in enumerate((400, 80)):
+        cracks = {}
+        for fragment in fracture:
+            assert len(fragment.coarse) == 2
+            vertices, faces, neighbor = fragment.coarse[level]
+            assert faces.shape == (len(neighbor), 3) and len(faces) <= most < len(fragment.faces)
+            for face, other in zip(vertices[faces], neighbor):
+                if other:
+                    cracks.setdefault(frozenset(map(tuple, face)), set()).add((fragment.id, other))
+        assert cracks and all({(b, a) for a, b in sides} == sides for sides in cracks.values())
+    assert pysherd.fracture(cube(), pieces=2, resolution=16)[0].coarse == []

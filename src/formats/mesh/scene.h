@@ -18,6 +18,8 @@ namespace sherd {
 struct ScenePiece {
   int id = 0;
   PieceMesh piece;
+  std::vector<PieceMesh> coarse{};  ///< of fewer triangles, the finest first; at each level cracks
+                                    ///< are those of the neighbors
   MassProperties mass;
   std::span<const Contact> contacts;  ///< those with fragments that are not in the scene are left
                                       ///< out
@@ -76,6 +78,11 @@ struct SceneJoint {
   const Contact* contact = nullptr;
 };
 
+/// Returns the name of a piece's mesh where it has several: LOD0 is the whole one.
+[[nodiscard]] inline std::string lodName(std::size_t level) {
+  return "LOD" + std::to_string(level);
+}
+
 /// Returns the contacts between pieces of a scene, see forEachContact.
 [[nodiscard]] std::vector<SceneJoint> jointsOf(const FragmentScene& scene);
 
@@ -83,8 +90,9 @@ struct SceneJoint {
 /// its center of mass, named like its mesh, with KHR_physics_rigid_bodies: mass, inertia and the
 /// mesh's convex hull as collider.  A contact is a fixed joint between two nodes at its centroid,
 /// below those of its pieces, with area and break force as extras.  Pieces that were split are
-/// nodes around those that come of them.
-///   source  KHR_physics_rigid_bodies, draft of October 2025
+/// nodes around those that come of them.  A piece with coarse meshes has its mesh in a node below,
+/// NAME_LOD0, whose MSFT_lod names the nodes of the others.
+///   source  KHR_physics_rigid_bodies, draft of October 2025; MSFT_lod
 ///   throws  Error(output), also if it would have 2^32 bytes or more; Error(cancelled)
 void writeSceneGlb(const OutputFile& file, const FragmentScene& scene,
                    const Progress* progress = nullptr);

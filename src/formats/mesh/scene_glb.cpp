@@ -15,6 +15,7 @@ namespace {
 using Json = GlbFile::Json;
 
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
+constexpr const char* kLevels = "MSFT_lod";
 
 Json jsonOfVector(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
@@ -33,7 +34,8 @@ Json motionOf(const MassProperties& mass, double density, double metersPerUnit) 
   return motion;
 }
 
-// Nodes are numbered: pieces first, then splits, then the two nodes of each joint.
+// Nodes are numbered: pieces first, then the meshes of those with several, then splits, then the
+// two nodes of each joint.
 class SceneWriter {
  public:
   SceneWriter(const FragmentScene& scene, const Progress* progress)
@@ -44,6 +46,7 @@ class SceneWriter {
 
   void write(const OutputFile& file) {
     for (const ScenePiece& piece : scene_.pieces) addPiece(piece);
+    for (std::size_t i = 0; i < scene_.pieces.size(); ++i) addLevels(i);
     addSplits();
     addJoints();
     file_.extensionsUsed.insert(kPhysics);
@@ -53,19 +56,44 @@ class SceneWriter {
  private:
   void addPiece(const ScenePiece& own) {
     throwIfCancelled(progress_);
-    const PieceMesh& piece = own.piece;
-    const std::size_t mesh = scene_.plain
-                                 ? addPlainGlbMesh(file_, piece.name, piece.mesh, own.mass.centroid)
-                                 : addGlbMesh(file_, materials_, piece, own.mass.centroid);
-    const Json collider = {{"geometry", {{"node", file_.nodes.size()}, {"convexHull", true}}}};
-    file_.nodes.push_back({{"name", own.piece.name},
-                           {"mesh", mesh},
-                           {"translation", jsonOfVector(own.mass.centroid)},
-                           {"extensions",
-                            {{kPhysics,
-                              {{"motion", motionOf(own.mass, scene_.densityOfUnits(),
-                                                   scene_.coordinates.metersPerUnit)},
-                               {"collider", collider}}}}}});
+    Json node = {{"name", own.piece.name}};
+    if (own.coarse.empty()) node["mesh"] = meshOf(own, own.piece);
+    node["translation"] = jsonOfVector(own.mass.centroid);
+    node["extensions"] = {
+        {kPhysics,
+         {{"motion", motionOf(own.mass, scene_.densityOfUnits(), scene_.coordinates.metersPerUnit)},
+          {"collider", {{"geometry", {{"node", file_.nodes.size()}, {"convexHull", true}}}}}}}};
+    file_.nodes.push_back(std::move(node));
+  }
+
+  std::size_t meshOf(const ScenePiece& own, const PieceMesh& piece) {
+    return scene_.plain ? addPlainGlbMesh(file_, piece.name, piece.mesh, own.mass.centroid)
+                        : addGlbMesh(file_, materials_, piece, own.mass.centroid);
+  }
+
+  // Adds the nodes of a piece's meshes, if it has several.  Of the levels only the first is below
+  // the piece: the extension names the others, which are in no scene.
+  void addLevels(std::size_t i) {
+    const ScenePiece& own = scene_.pieces[i];
+    if (own.coarse.empty()) return;
+    throwIfCancelled(progress_);
+    const std::size_t first = file_.nodes.size();
+    file_.nodes[i]["extensions"][kPhysics]["collider"]["geometry"]["node"] = first;
+    file_.nodes[i]["children"].push_back(first);
+    Json others = Json::array(), coverage = Json::array({0.5});
+    for (std::size_t k = 0; k < own.coarse.size(); ++k) {
+      others.push_back(first + 1 + k);
+      coverage.push_back(k + 1 == own.coarse.size() ? 0.0 : coverage.back().get<double>() / 2.0);
+    }
+    file_.nodes.push_back({{"name", own.piece.name + "_" + lodName(0)},
+                           {"mesh", meshOf(own, own.piece)},
+                           {"extensions", {{kLevels, {{"ids", others}}}}},
+                           {"extras", {{"MSFT_screencoverage", coverage}}}});
+    for (std::size_t k = 0; k < own.coarse.size(); ++k) {
+      file_.nodes.push_back(
+          {{"name", own.piece.name + "_" + lodName(k + 1)}, {"mesh", meshOf(own, own.coarse[k])}});
+    }
+    file_.extensionsUsed.insert(kLevels);
   }
 
   // Returns the nodes of what is directly below a split, or the whole.

@@ -108,8 +108,11 @@ class Layer {
     const ScenePiece& own = scene_.pieces[i];
     paths_[i] = parent + "/" + names_[i];
     const PrincipalInertia inertia = principalInertia(own.mass);
+    const std::string levels = "    variants = {\n        string lod = \"" + lodName(0) +
+                               "\"\n    }\n    prepend variantSets = \"lod\"\n";
     text_.open("def Xform", names_[i],
-               "\n    prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsMassAPI\"]\n");
+               "\n    prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsMassAPI\"]\n" +
+                   (own.coarse.empty() ? std::string() : levels));
     text_.line("point3f physics:centerOfMass = (0, 0, 0)");
     text_.line("float3 physics:diagonalInertia = " +
                usdVector(glm::vec3(single(scene_.densityOfUnits() * inertia.moments.x),
@@ -121,10 +124,26 @@ class Layer {
     text_.line("double3 xformOp:translate:apart");  // a value here would hide the variants'
     text_.line(
         "uniform token[] xformOpOrder = [\"xformOp:translate:apart\", \"xformOp:translate\"]");
-    writeUsdMesh(text_, names_[i], own.piece, own.mass.centroid,
-                 [this](std::uint32_t number) { return materialPath(number); });
+    meshes(i);
     if (hasVolumes_ && !own.volume.empty()) volume(i);
     text_.close();
+  }
+
+  // The mesh, or a variant with each of several.
+  void meshes(std::size_t i) {
+    const ScenePiece& own = scene_.pieces[i];
+    const auto mesh = [&](const PieceMesh& piece) {
+      writeUsdMesh(text_, names_[i], piece, own.mass.centroid,
+                   [this](std::uint32_t number) { return materialPath(number); });
+    };
+    if (own.coarse.empty()) return mesh(own.piece);
+    text_.line("variantSet \"lod\" = {");
+    for (std::size_t k = 0; k <= own.coarse.size(); ++k) {
+      text_.line("    \"" + lodName(k) + "\" {");
+      mesh(k == 0 ? own.piece : own.coarse[k - 1]);
+      text_.line("    }");
+    }
+    text_.line("}");
   }
 
   // The level set, whose grid is in the coordinates of the input, in the file's unit.
