@@ -6,6 +6,7 @@ tests/long/gltf.py compares the same files with the schemas, and Godot opens the
 """
 import copy
 import hashlib
+import math
 import os
 
 import numpy as np
@@ -149,6 +150,30 @@ class Gltf(CommandLine):
             for name, value in prim.values.items():
                 if name.endswith(".connect"):
                     self.assertIn(value.rsplit(".", 1)[1], glaze.child(value.rsplit("/", 1)[1].split(".")[0]).types)
+
+    def test_a_transform_of_all_textures_is_in_the_coordinates(self):
+        glaze = {"name": "glaze", "normalTexture": {"index": 2, "extensions": TRANSFORM},
+                 "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {**TRANSFORM, "EXT_other": {}}}}}
+        plain = {"name": "plain", "pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}
+        out = self.path("moved.glb")
+        done = self.run_sherd("convert", model(self.path("model.glb"), [glaze, plain]), out)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        file = Glb(self, out)
+        u, v = TRANSFORM["KHR_texture_transform"]["offset"]
+        a, b = TRANSFORM["KHR_texture_transform"]["scale"]
+        turn = TRANSFORM["KHR_texture_transform"]["rotation"]
+        seen = set()
+        for material, _, vertices in file.primitives():
+            x, y, _ = vertices["POSITION"].T
+            at = np.array([0.3 * x + 0.5, 0.3 * y + 0.5])
+            if material["name"] == "glaze":
+                at = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]]) @ (at * [[a], [b]]) + [[u], [v]]
+                self.assertEqual(material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"], {"EXT_other": {}})
+                self.assertEqual(set(material["normalTexture"]), {"index"})
+            np.testing.assert_allclose(vertices["TEXCOORD_0"].T, at, atol=1e-5)
+            seen.add(material["name"])
+        self.assertEqual(seen, {"glaze", "plain"})
+        self.assertIn("transformed in several ways", self.run_sherd("convert", model(self.path("model.glb"), [GLAZE]), out).stderr)
 
     def test_a_library_of_obj_becomes_glTF(self):
         points, triangles = sphere(12, 24)

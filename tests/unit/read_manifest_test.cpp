@@ -21,6 +21,7 @@ Json twoFragments() {
     "source": {"file": "vase.obj"},
     "options": {"seed": 18446744073709551615},
     "grid": {"resolution": 24, "voxel_size": 0.5, "dims": [24, 20, 3], "index_min": [-2, 0, 1],
+             "origin": [0.25, 0, -1.5],
              "solid_voxels": 700},
     "components": 1,
     "fragments": [
@@ -114,6 +115,7 @@ TEST(ReadManifest, RefusesWhatIsMissing) {
                             "/grid/voxel_size",
                             "/grid/dims",
                             "/grid/index_min",
+                            "/grid/origin",
                             "/grid/solid_voxels",
                             "/components",
                             "/fragments",
@@ -143,6 +145,7 @@ TEST(ReadManifest, RefusesOtherKinds) {
                             "/grid/dims",
                             "/grid/dims/0",
                             "/grid/index_min",
+                            "/grid/origin",
                             "/grid/solid_voxels",
                             "/components",
                             "/fragments",

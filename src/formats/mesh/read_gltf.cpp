@@ -15,6 +15,7 @@
 #include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_document.h"
 #include "formats/mesh/gltf_primitive.h"
+#include "formats/mesh/gltf_transforms.h"
 #include "formats/mesh/gltf_root.h"
 #include "formats/mesh/normals.h"
 
@@ -171,9 +172,10 @@ struct MeshNode {
 
 // Returns the nodes of the default scene.
 std::vector<std::size_t> sceneNodes(const GltfDocument& document) {
+  std::vector<std::size_t> roots = rootsOf(document);  // which refuses circles
   const Json& scenes = document.array("scenes");
   for (const Json& scene : scenes) (void)indicesOf(document, scene, "nodes");
-  if (scenes.empty()) return rootsOf(document);
+  if (scenes.empty()) return roots;
   const std::size_t scene = document.number(document.root(), "scene");
   return indicesOf(document, document.at("scenes", scene), "nodes");
 }
@@ -393,6 +395,7 @@ struct Reader {
     decodeMeshes();
     makeRoom();
     appendNodes();
+    applyTextureTransforms(document.file(), out);
     warn();
     out.metersPerUnit = below ? below->metersPerUnit : 1.0;  // as glTF is defined
     out.up = below ? below->up : 'y';
