@@ -29,6 +29,7 @@
 #include "shapes.h"
 #include "surface/bodies.h"
 #include "surface/part_edges.h"
+#include "surface/shell_mesh.h"
 
 namespace {
 
@@ -123,12 +124,15 @@ Input randomOpen(std::mt19937_64& random, int resolution) {
     open.triangles.resize(open.triangles.size() - 2);  // without one of its sides
     return {.name = "an open box", .mesh = std::move(open), .unionVolume = (1 + a) * (1 + b)};
   }
-  // A shell, 2.5 voxels thick.
-  return {
-      .name = "a fold",
-      .mesh = {{{0, 0, 0}, {side, 0, 0}, {side, a, b}, {0, a, b}, {0, 1, 0}, {side, 1, 0}},
-               {{0, 1, 2}, {0, 2, 3}, {3, 2, 5}, {3, 5, 4}}},
-      .unionVolume = side * (std::hypot(a, b) + std::hypot(1 - a, b)) * 2.5 * side / resolution};
+  // A shell, 2.5 voxels thick, but for a fold so sharp that its miter is cut off.
+  const double below = std::hypot(a, b), above = std::hypot(1 - a, b);  // of the fold
+  const double cosine = (b * b - a * (1 - a)) / (below * above);        // of the angle between them
+  const double atFold = std::min(1.0, kMostMiter * std::sqrt((1 - cosine) / 2));
+  const double mean = (1 + atFold) / 2 * 2.5 * side / resolution;
+  return {.name = "a fold",
+          .mesh = {{{0, 0, 0}, {side, 0, 0}, {side, a, b}, {0, a, b}, {0, 1, 0}, {side, 1, 0}},
+                   {{0, 1, 2}, {0, 2, 3}, {3, 2, 5}, {3, 5, 4}}},
+          .unionVolume = side * (below + above) * mean};
 }
 
 // Bodies that touch, overlap, lie within each other, or have gaps of 0.01 to 2 voxels, with the

@@ -5,6 +5,7 @@
 #include <sherd/device.h>
 #include <sherd/fracture.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -75,6 +76,23 @@ TEST(ShellMesh, OfAFoldIsMitered) {
   const SolidMesh shell = shellOf(fold, 0.25);
   EXPECT_NEAR(volume(shell.mesh), 2.0 * 0.25, 1e-12);  // an L of constant width
   EXPECT_TRUE(selfCrossings(shell.mesh.vertices, shell.mesh.triangles).empty());
+}
+
+// Where two sheets have less than 60 degrees between them, their miter is cut off: towards the fold
+// they get thinner.
+TEST(ShellMesh, OfASharpFoldIsThinnerAtTheFold) {
+  for (const double degrees : {80.0, 60.5, 59.5, 40.0}) {
+    const double half = degrees / 2.0 * std::numbers::pi / 180.0;
+    const TriangleMesh fold = sheet(2, 1, [&](int i, int j) {
+      return glm::dvec3(i == 1 ? 0.0 : std::cos(half), (i - 1) * std::sin(half), j);
+    });
+    const double thickness = 0.125;
+    const SolidMesh shell = shellOf(fold, thickness);
+    // The section of each sheet is a trapezoid, as long as the sheet.
+    const double atFold = thickness * std::min(1.0, kMostMiter * std::sin(half));
+    EXPECT_NEAR(volume(shell.mesh), 2.0 * (thickness + atFold) / 2.0, 1e-12) << degrees;
+    EXPECT_TRUE(selfCrossings(shell.mesh.vertices, shell.mesh.triangles).empty()) << degrees;
+  }
 }
 
 TEST(ShellMesh, OfAClosedMeshIsHollow) {
