@@ -1,10 +1,14 @@
 // Triangles of one mesh that cross each other.
 #include "exact/self_crossings.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/cancel_flag.h"
 #include "exact/crossing_point.h"
@@ -17,6 +21,12 @@ namespace sherd {
 namespace {
 
 constexpr std::size_t kBlock = 512;  // triangles that a task processes
+
+// Triangles beside each other whose neighbors are looked up together.
+constexpr std::size_t kGroup = 8;
+
+// Where at most one triangle in so many is tested, those near them are looked up first.
+constexpr std::size_t kFew = 4;
 
 using Corners = std::array<glm::dvec3, 3>;
 
@@ -100,6 +110,101 @@ bool areFolded(const Corners& s, const std::array<bool, 3>& inT, const Corners& 
   return true;  // one has no area
 }
 
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+
+// The tests of all pairs that count.
+class PairTests {
+ public:
+  PairTests(std::span<const glm::dvec3> vertices, std::span<const glm::uvec3> triangles,
+            const CrossingPairs& tested)
+      : vertices_(vertices),
+        triangles_(triangles),
+        tested_(tested),
+        tree_({{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}}) {}
+
+  [[nodiscard]] Pairs run(const Progress* progress) const {
+    const std::size_t blocks = (triangles_.size() + kBlock - 1) / kBlock;
+    std::vector<Pairs> found(blocks);
+    CancelFlag stop(progress);
+    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
+      std::vector<std::uint32_t> near;
+      const std::size_t end = std::min(triangles_.size(), (block + 1) * kBlock);
+      for (std::size_t i = block * kBlock; i < end && !stop.isSet(); i += kGroup) {
+        testGroup(i, std::min(i + kGroup, end), near, found[block]);
+      }
+    });
+    stop.throwIfSet();
+    Pairs all;
+    for (const Pairs& own : found) all.insert(all.end(), own.begin(), own.end());
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+ private:
+  [[nodiscard]] bool isOf(std::uint32_t t) const {
+    return tested_.of.empty() || tested_.of[t] != 0;
+  }
+
+  // Tests triangles of the tree's order with all that are near.
+  //   near  reused
+  void testGroup(std::size_t begin, std::size_t end, std::vector<std::uint32_t>& near,
+                 Pairs& found) const {
+    std::array<Box, kGroup> boxes{};
+    Box all{glm::dvec3(std::numeric_limits<double>::infinity()),
+            glm::dvec3(-std::numeric_limits<double>::infinity())};
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!isOf(tree_.source(i))) continue;
+      Box& own = boxes[i - begin] = boxOf(tree_.corners(i));
+      all = {glm::min(all.min, own.min), glm::max(all.max, own.max)};
+    }
+    tree_.findMeeting(all, near);
+    for (const std::uint32_t j : near) {
+      const std::uint32_t other = tree_.source(j);
+      const Box box = boxOf(tree_.corners(j));
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t t = tree_.source(i);
+        // Of two that both count, the lower one finds the pair.
+        if (other == t || !isOf(t) || (other < t && isOf(other))) continue;
+        if (!meet(boxes[i - begin], box) || areOfOne(t, other)) continue;
+        if (!trianglesCross(vertices_, triangles_[t], triangles_[other])) continue;
+        found.push_back({std::min(t, other), std::max(t, other)});
+      }
+    }
+  }
+
+  [[nodiscard]] bool areOfOne(std::uint32_t a, std::uint32_t b) const {
+    return !tested_.source.empty() && tested_.source[a] == tested_.source[b];
+  }
+
+  const std::span<const glm::dvec3> vertices_;
+  const std::span<const glm::uvec3> triangles_;
+  const CrossingPairs tested_;
+  const TriangleTree tree_;
+};
+
+// The triangles that are tested, and those whose boxes meet theirs, ascending.
+std::vector<std::uint32_t> nearTested(std::span<const glm::dvec3> vertices,
+                                      std::span<const glm::uvec3> triangles,
+                                      std::span<const std::uint8_t> isTested) {
+  TriangleMesh few{{vertices.begin(), vertices.end()}, {}};
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (isTested[t] != 0) few.triangles.push_back(triangles[t]);
+  }
+  const TriangleTree tree(few);
+  std::vector<std::uint8_t> isNear(triangles.size(), 0);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), kBlock),
+                    [&](const auto& range) {
+                      for (std::size_t t = range.begin(); t < range.end(); ++t) {
+                        isNear[t] = tree.isAnyMeeting(boxOf(cornersOf(vertices, triangles[t])));
+                      }
+                    });
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t t = 0; t < isNear.size(); ++t) {
+    if (isNear[t] != 0) near.push_back(t);
+  }
+  return near;
+}
+
 }  // namespace
 
 bool trianglesCross(std::span<const glm::dvec3> vertices, const glm::uvec3& a,
@@ -111,41 +216,25 @@ bool trianglesCross(std::span<const glm::dvec3> vertices, const glm::uvec3& a,
   return edgesMeet(s, inB, common, t) || edgesMeet(t, inA, common, s);
 }
 
-std::vector<std::array<std::uint32_t, 2>> selfCrossings(std::span<const glm::dvec3> vertices,
-                                                        std::span<const glm::uvec3> triangles,
-                                                        const Progress* progress,
-                                                        const CrossingPairs& tested) {
+Pairs selfCrossings(std::span<const glm::dvec3> vertices, std::span<const glm::uvec3> triangles,
+                    const Progress* progress, const CrossingPairs& tested) {
   const std::span<const std::uint8_t> of = tested.of;
-  const std::span<const std::uint32_t> source = tested.source;
-  const auto isOf = [&](std::uint32_t t) { return of.empty() || of[t] != 0; };
-  const auto areOfOne = [&](std::uint32_t a, std::uint32_t b) {
-    return !source.empty() && source[a] == source[b];
-  };
-  if (!of.empty() && std::find(of.begin(), of.end(), 1) == of.end()) return {};
-  const TriangleTree tree(
-      {{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}});
-  const std::size_t count = triangles.size(), blocks = (count + kBlock - 1) / kBlock;
-  std::vector<std::vector<std::array<std::uint32_t, 2>>> found(blocks);
-  CancelFlag stop(progress);
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-    if (stop.isSet()) return;
-    const std::size_t end = std::min(count, (block + 1) * kBlock);
-    for (auto t = static_cast<std::uint32_t>(block * kBlock); t < end; ++t) {
-      if (!isOf(t)) continue;
-      for (const std::uint32_t near : tree.meeting(boxOf(cornersOf(vertices, triangles[t])))) {
-        const std::uint32_t other = tree.source(near);
-        // Of two that both count, the lower one finds the pair.
-        if (other == t || (other < t && isOf(other)) || areOfOne(t, other)) continue;
-        if (!trianglesCross(vertices, triangles[t], triangles[other])) continue;
-        found[block].push_back({std::min(t, other), std::max(t, other)});
-      }
-    }
-  });
-  stop.throwIfSet();
-  std::vector<std::array<std::uint32_t, 2>> all;
-  for (const auto& own : found) all.insert(all.end(), own.begin(), own.end());
-  std::sort(all.begin(), all.end());
-  return all;
+  if (of.empty()) return PairTests(vertices, triangles, tested).run(progress);
+  const auto count = static_cast<std::size_t>(std::count(of.begin(), of.end(), 1));
+  if (count == 0) return {};
+  if (count > of.size() / kFew) return PairTests(vertices, triangles, tested).run(progress);
+  const std::vector<std::uint32_t> near = nearTested(vertices, triangles, of);
+  std::vector<glm::uvec3> ofNear;
+  std::vector<std::uint8_t> isTested;
+  std::vector<std::uint32_t> source;
+  for (const std::uint32_t t : near) {
+    ofNear.push_back(triangles[t]);
+    isTested.push_back(of[t]);
+    if (!tested.source.empty()) source.push_back(tested.source[t]);
+  }
+  Pairs pairs = PairTests(vertices, ofNear, {.of = isTested, .source = source}).run(progress);
+  for (auto& pair : pairs) pair = {near[pair[0]], near[pair[1]]};
+  return pairs;
 }
 
 }  // namespace sherd

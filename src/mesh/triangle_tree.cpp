@@ -53,6 +53,23 @@ class Near {
   Floats low_, high_;
 };
 
+// A box, enclosed by one in single precision.
+class Around {
+ public:
+  explicit Around(const Box& box)
+      : low_{below(box.min.x), below(box.min.y), below(box.min.z), 0.0f},
+        high_{above(box.max.x), above(box.max.y), above(box.max.z), 0.0f} {}
+
+  // Whether it has a point in common with another.
+  [[nodiscard]] bool meets(const glm::vec4& min, const glm::vec4& max) const {
+    const auto isApart = (load(min) > high_) | (load(max) < low_);
+    return ((isApart[0] | isApart[1]) | isApart[2]) == 0;
+  }
+
+ private:
+  Floats low_, high_;
+};
+
 // A ray that misses a box by this fraction of its length counts as a hit, so that rounding loses no
 // triangle; oriented boxes are wider by this fraction of their distance from the origin.
 constexpr double kRounding = 1e-9;
@@ -382,18 +399,36 @@ int TriangleTree::entries(const glm::dvec3& from, const glm::dvec3& to) const {
   return entered;
 }
 
-std::vector<std::uint32_t> TriangleTree::meeting(const Box& box) const {
-  std::vector<std::uint32_t> found;
+void TriangleTree::findMeeting(const Box& box, std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Around around(box);
   walk(
       [&](const Range& range) {
         const Bounds& bounds = bounds_[range.node];
-        return !meet({glm::dvec3(bounds.min), glm::dvec3(bounds.max)}, box);
+        return !around.meets(bounds.min, bounds.max);
       },
       [&](std::size_t triangle) {
         if (!meet(boxOf(corners(triangle)), box)) return;
         found.push_back(static_cast<std::uint32_t>(triangle));
       });
+}
+
+std::vector<std::uint32_t> TriangleTree::meeting(const Box& box) const {
+  std::vector<std::uint32_t> found;
+  findMeeting(box, found);
   return found;
+}
+
+bool TriangleTree::isAnyMeeting(const Box& box) const {
+  const Around around(box);
+  bool isAny = false;
+  walk(
+      [&](const Range& range) {
+        const Bounds& bounds = bounds_[range.node];
+        return isAny || !around.meets(bounds.min, bounds.max);
+      },
+      [&](std::size_t triangle) { isAny = isAny || meet(boxOf(corners(triangle)), box); });
+  return isAny;
 }
 
 double TriangleTree::firstHit(const glm::dvec3& origin, const glm::dvec3& direction,

@@ -83,6 +83,12 @@ class TriangleTree {
   /// Returns the triangles whose boxes intersect a box, by the tree's order, ascending.
   [[nodiscard]] std::vector<std::uint32_t> meeting(const Box& box) const;
 
+  /// The same, into a list that is reused.
+  void findMeeting(const Box& box, std::vector<std::uint32_t>& found) const;
+
+  /// Whether the box of a triangle intersects a box.
+  [[nodiscard]] bool isAnyMeeting(const Box& box) const;
+
   /// Returns the corners of a triangle, given by the tree's order.
   [[nodiscard]] std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
     const glm::uvec3& t = triangles_[triangle];

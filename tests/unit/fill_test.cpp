@@ -103,6 +103,30 @@ TEST(TriangleTree, FindsTheNearestTriangleAsALookAtAllOfThemDoes) {
   EXPECT_EQ(TriangleTree({}).nearest({0, 0, 0}, INFINITY).triangle, TriangleTree::kNone);
 }
 
+TEST(TriangleTree, BoxesMeetATouchedBoxAndNoneBeside) {
+  const glm::dvec3 far(0x1p40, -0x1p40, 0.1);  // where single precision is coarse
+  TriangleMesh mesh = shapes::torus(10.0, 4.0, 20, 12);
+  for (glm::dvec3& v : mesh.vertices) v += far;
+  const TriangleTree tree(mesh);
+  std::mt19937 random(8);
+  for (int i = 0; i < 200; ++i) {
+    const glm::dvec3 a = far + randomPoint(random, 14.0), b = far + randomPoint(random, 14.0);
+    Box box{glm::min(a, b), glm::max(a, b)};
+    if (i % 2 == 0) box.max = box.min + 0.5;
+    if (i % 5 == 0) box.min = box.max = mesh.vertices[static_cast<std::size_t>(i)];
+    std::size_t expected = 0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 &p = mesh.vertices[t.x], &q = mesh.vertices[t.y], &r = mesh.vertices[t.z];
+      const glm::dvec3 low = glm::min(p, glm::min(q, r)), high = glm::max(p, glm::max(q, r));
+      bool isApart = false;
+      for (int k = 0; k < 3; ++k) isApart |= low[k] > box.max[k] || high[k] < box.min[k];
+      expected += isApart ? 0 : 1;
+    }
+    EXPECT_EQ(tree.meeting(box).size(), expected);
+    EXPECT_EQ(tree.isAnyMeeting(box), expected > 0);
+  }
+}
+
 TEST(TriangleTree, WindsAsTheSumOfAllSolidAnglesDoes) {
   const TriangleMesh mesh =
       without(shapes::ball(10.0, 4), [](const glm::dvec3& p) { return p.z > 8.0; });

@@ -141,6 +141,34 @@ TEST(SelfCrossings, OfRandomTrianglesAreThoseOfRationalClipping) {
   }
 }
 
+// Few triangles that are tested are looked up otherwise than many.
+TEST(SelfCrossings, OfTestedTrianglesAreThosePairsOfAll) {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Mesh mesh = randomMesh(seed, 5, 60, seed % 2 == 0);
+    const Pairs all = expectedCrossings(mesh);
+    for (const std::uint32_t step : {1u, 2u, 7u, 30u, 59u}) {
+      std::vector<std::uint8_t> isTested(mesh.triangles.size());
+      std::vector<std::uint32_t> source;  // of pairs beside each other
+      for (std::uint32_t t = 0; t < isTested.size(); ++t) {
+        isTested[t] = t % step == 1 % step ? 1 : 0;
+        source.push_back(t / 2);
+      }
+      Pairs expected, ofOthers;
+      for (const auto& [a, b] : all) {
+        if (isTested[a] + isTested[b] == 0) continue;
+        expected.push_back({a, b});
+        if (source[a] != source[b]) ofOthers.push_back({a, b});
+      }
+      const auto found = [&](const CrossingPairs& tested) {
+        return selfCrossings(mesh.vertices, mesh.triangles, nullptr, tested);
+      };
+      EXPECT_FALSE(expected.empty());
+      EXPECT_EQ(found({.of = isTested}), expected) << "seed " << seed << ", step " << step;
+      EXPECT_EQ(found({.of = isTested, .source = source}), ofOthers);
+    }
+  }
+}
+
 // A triangle in the plane z = 0 and another one.
 Mesh withTriangle(const std::array<glm::dvec3, 3>& other) {
   return {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, other[0], other[1], other[2]}, {{0, 1, 2}, {3, 4, 5}}};
