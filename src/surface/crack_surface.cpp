@@ -56,8 +56,8 @@ class CrackMeshing {
     const std::vector<glm::dvec3> inCells = vertices_.at;
     straightenBoundaries(quads_, junctions_, vertices_.at, [](std::size_t) { return true; });
     throwIfCancelled(progress);
-    separate(inCells, progress);
-    splitSheets(progress);
+    const bool areClear = separate(inCells, progress);
+    splitSheets(areClear, progress);
     return assembled(frame);
   }
 
@@ -145,18 +145,29 @@ class CrackMeshing {
     }
   }
 
+  // Of which quad a face is: none, if it fills a gap.
+  struct Origin {
+    std::uint32_t leaf = kNone, quad = kNone;
+  };
+
   // The corners of faces that cross each other, as positions, ascending.  Only where more than two
   // labels or sheets meet can faces cross.
-  std::vector<std::uint32_t> crossingPositions(const Progress* progress) const {
+  //   isChanged  (Origin): of the faces that may cross others
+  template <class IsChanged>
+  std::vector<std::uint32_t> crossingPositions(const IsChanged& isChanged,
+                                               const Progress* progress) const {
     const std::vector<glm::dvec3> at = positionsOf(vertices_);
     std::vector<glm::uvec3> faces;
-    forEachFace([&](const std::array<std::uint32_t, 3>& t, std::uint16_t, std::uint16_t) {
+    std::vector<std::uint8_t> isTested;
+    forEachFace([&](const std::array<std::uint32_t, 3>& t, std::uint16_t, std::uint16_t,
+                    const Origin& origin) {
       if (std::none_of(t.begin(), t.end(), [&](std::uint32_t v) { return isComplex_[v]; })) return;
       faces.emplace_back(vertices_.positionId[t[0]], vertices_.positionId[t[1]],
                          vertices_.positionId[t[2]]);
+      isTested.push_back(isChanged(origin) ? 1 : 0);
     });
     std::vector<std::uint32_t> found;
-    for (const auto& pair : selfCrossings(at, faces, progress)) {
+    for (const auto& pair : selfCrossings(at, faces, progress, {.of = isTested})) {
       for (const std::uint32_t f : pair)
         found.insert(found.end(), {faces[f].x, faces[f].y, faces[f].z});
     }
@@ -166,11 +177,21 @@ class CrackMeshing {
 
   // Moves the vertices of faces that cross each other back into their cells, then halfway to the
   // middles of these, again and again: with all vertices there, the faces are those of voxels.
-  void separate(const std::vector<glm::dvec3>& inCells, const Progress* progress) {
+  // Returns whether no faces cross.
+  bool separate(const std::vector<glm::dvec3>& inCells, const Progress* progress) {
     std::vector<std::uint8_t> moves(vertices_.positionCount, 0);
+    std::vector<bool> isMoved(vertices_.positionCount, true);  // all corners of those that crossed
     for (int round = 0; round < kMostRounds; ++round) {
-      const std::vector<std::uint32_t> crossing = crossingPositions(progress);
-      if (crossing.empty()) return;
+      const std::vector<std::uint32_t> crossing = crossingPositions(
+          [&](const Origin& of) {
+            const auto& corners = quads_[of.leaf][of.quad].vertex;
+            return std::ranges::any_of(
+                corners, [&](std::uint32_t v) { return isMoved[vertices_.positionId[v]]; });
+          },
+          progress);
+      if (crossing.empty()) return true;
+      isMoved.assign(isMoved.size(), false);
+      for (const std::uint32_t id : crossing) isMoved[id] = true;
       for (std::size_t v = 0; v < vertices_.at.size(); ++v) {
         const std::uint32_t id = vertices_.positionId[v];
         if (!std::binary_search(crossing.begin(), crossing.end(), id)) continue;
@@ -180,18 +201,28 @@ class CrackMeshing {
       }
       for (const std::uint32_t id : crossing) ++moves[id];
     }
+    return false;
   }
 
   // Moves sheets of one label apart that touch, except where faces would cross then.
-  void splitSheets(const Progress* progress) {
+  //   areClear  whether no faces cross before
+  void splitSheets(bool areClear, const Progress* progress) {
     const std::vector<std::vector<InterfaceQuad>> quads = quads_;
     const InterfaceVertices vertices = vertices_;
+    const auto isChanged = [&](const Origin& of) {
+      if (!areClear || of.leaf == kNone) return true;
+      const auto &own = quads_[of.leaf][of.quad].vertex, &before = quads[of.leaf][of.quad].vertex;
+      return own != before || std::ranges::any_of(own, [&](std::uint32_t v) {
+               return vertices_.positionId[v] != vertices.positionId[v] ||
+                      vertices_.at[v] != vertices.at[v];
+             });
+    };
     double near = kNearCrossing;
     for (int round = 0; !nonManifold_.empty(); ++round) {
       gaps_ = splitNonManifoldVertices(nonManifold_, quads_, vertices_);
       isBorder_.resize(vertices_.at.size(), false);
       isComplex_.resize(vertices_.at.size(), true);
-      const std::vector<std::uint32_t> crossing = crossingPositions(progress);
+      const std::vector<std::uint32_t> crossing = crossingPositions(isChanged, progress);
       if (crossing.empty()) return;
       keepTogether(crossing, vertices, near);
       if (round >= kMostRounds) near *= 2.0;
@@ -234,24 +265,25 @@ class CrackMeshing {
       }
       return n;
     };
-    forEachFace(
-        [&](const std::array<std::uint32_t, 3>& t, std::uint16_t front, std::uint16_t back) {
-          out.faces.push_back({{numberOf(t[0]), numberOf(t[1]), numberOf(t[2])}, front, back});
-        });
+    forEachFace([&](const std::array<std::uint32_t, 3>& t, std::uint16_t front, std::uint16_t back,
+                    const Origin&) {
+      out.faces.push_back({{numberOf(t[0]), numberOf(t[1]), numberOf(t[2])}, front, back});
+    });
     return out;
   }
 
   template <class Visit>
   void forEachFace(const Visit& visit) const {
     for (const std::uint32_t leaf : cracked_) {
-      for (const InterfaceQuad& quad : quads_[leaf]) {
+      for (std::uint32_t i = 0; i < quads_[leaf].size(); ++i) {
+        const InterfaceQuad& quad = quads_[leaf][i];
         if (!isCrack(quad)) continue;
         for (const auto& t : sherd::trianglesOf(quad, vertices_.at))
-          visit(t, quad.label, quad.other);
+          visit(t, quad.label, quad.other, Origin{leaf, i});
       }
     }
     for (const InterfaceTriangle& gap : gaps_) {
-      if (gap.label < gap.other) visit(gap.vertex, gap.label, gap.other);
+      if (gap.label < gap.other) visit(gap.vertex, gap.label, gap.other, Origin{});
     }
   }
 
