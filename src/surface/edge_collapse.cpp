@@ -38,6 +38,7 @@ std::uint64_t CollapsingMesh::region(Index f) const {
 
 std::vector<CollapsingMesh::Index> CollapsingMesh::neighbors(Index v) const {
   std::vector<Index> found;
+  found.reserve(2 * around_[v].size());
   for (const Index f : around_[v]) {
     for (int k = 0; k < 3; ++k) {
       if (faces_[f].corner[k] != v) found.push_back(faces_[f].corner[k]);

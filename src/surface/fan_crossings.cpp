@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <vector>
 
@@ -89,11 +90,11 @@ bool isHeightField(const CollapsingMesh& mesh, std::span<const glm::dvec3> at, I
   return true;
 }
 
-}  // namespace
-
-bool fanCrosses(const CollapsingMesh& mesh, std::span<const glm::dvec3> at, Index a, Index b,
-                const glm::dvec3& target) {
+// The faces around a collapsed edge, as they would be.
+std::vector<Face> fanOf(const CollapsingMesh& mesh, std::span<const glm::dvec3> at, Index a,
+                        Index b, const glm::dvec3& target) {
   std::vector<Face> fan;
+  fan.reserve(mesh.facesAround(a).size() + mesh.facesAround(b).size());
   for (const Index v : {a, b}) {
     for (const Index f : mesh.facesAround(v)) {
       if (mesh.has(f, a) && mesh.has(f, b)) continue;
@@ -110,26 +111,49 @@ bool fanCrosses(const CollapsingMesh& mesh, std::span<const glm::dvec3> at, Inde
       fan.push_back(faceOf(vertex, corner));
     }
   }
+  return fan;
+}
+
+// Whether a face around a fan crosses one of it.
+bool crossesFan(const glm::uvec3& vertex, std::span<const glm::dvec3> at, std::span<const Face> fan,
+                const Box& ofFan) {
+  const std::array<glm::dvec3, 3> corner{at[vertex.x], at[vertex.y], at[vertex.z]};
+  if (!meet(ofFan, boxOf(corner))) return false;
+  const Face other = faceOf(vertex, corner);
+  return std::any_of(fan.begin(), fan.end(), [&](const Face& own) { return cross(own, other); });
+}
+
+}  // namespace
+
+bool fanCrosses(const CollapsingMesh& mesh, std::span<const glm::dvec3> at, Index a, Index b,
+                const glm::dvec3& target) {
+  const std::vector<Face> fan = fanOf(mesh, at, a, b, target);
   if (isHeightField(mesh, at, a, b, fan)) return false;
-  std::vector<Index> beside;
-  for (const Face& own : fan) {
-    for (int k = 0; k < 3; ++k) {
-      for (const Index g : mesh.facesAround(own.vertex[k])) {
-        if (!mesh.has(g, a) && !mesh.has(g, b)) beside.push_back(g);
-      }
-    }
-  }
   for (std::size_t i = 0; i < fan.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (cross(fan[i], fan[j])) return true;
     }
   }
-  sortUnique(beside);
-  for (const Index g : beside) {
-    const glm::uvec3& t = mesh.faces()[g].corner;
-    const Face other = faceOf(t, {at[t.x], at[t.y], at[t.z]});
-    if (std::any_of(fan.begin(), fan.end(), [&](const Face& own) { return cross(own, other); }))
-      return true;
+  std::vector<Index> ring;
+  ring.reserve(2 * fan.size());
+  Box ofFan{target, target};
+  for (const Face& own : fan) {
+    ofFan = {glm::min(ofFan.min, own.box.min), glm::max(ofFan.max, own.box.max)};
+    for (int k = 0; k < 3; ++k) {
+      if (own.vertex[k] != a) ring.push_back(own.vertex[k]);
+    }
+  }
+  sortUnique(ring);
+  for (const Index v : ring) {
+    // Faces at several vertices of the ring are looked at once.
+    const auto isSeen = [&](Index other) {
+      return other < v && std::binary_search(ring.begin(), ring.end(), other);
+    };
+    for (const Index g : mesh.facesAround(v)) {
+      const glm::uvec3& t = mesh.faces()[g].corner;
+      if (mesh.has(g, a) || mesh.has(g, b) || isSeen(t.x) || isSeen(t.y) || isSeen(t.z)) continue;
+      if (crossesFan(t, at, fan, ofFan)) return true;
+    }
   }
   return false;
 }
