@@ -38,8 +38,9 @@ constexpr double kNearCrossing = 1.5;
 class CrackMeshing {
  public:
   CrackMeshing(const Solid& solid, const Labels& labels, const Cut& cut,
-               std::span<const LeafNeighbors> neighborhoods)
-      : field_(solid, labels, cut, neighborhoods, nullptr),
+               std::span<const LeafNeighbors> neighborhoods, CrackEnds ends)
+      : ends_(ends),
+        field_(solid, labels, cut, neighborhoods, nullptr),
         neighborhoods_(neighborhoods),
         cells_(neighborhoods.size()),
         quads_(neighborhoods.size()) {}
@@ -277,9 +278,17 @@ class CrackMeshing {
     for (const std::uint32_t leaf : cracked_) {
       for (std::uint32_t i = 0; i < quads_[leaf].size(); ++i) {
         const InterfaceQuad& quad = quads_[leaf][i];
-        if (!isCrack(quad)) continue;
-        for (const auto& t : sherd::trianglesOf(quad, vertices_.at))
+        if (quad.label > quad.other) continue;  // the other side of a crack
+        const auto inside = [&](std::uint32_t v) { return !isBorder_[v]; };
+        const auto count = std::ranges::count_if(quad.vertex, inside);
+        if (count == 4) {
+          for (const auto& t : sherd::trianglesOf(quad, vertices_.at))
+            visit(t, quad.label, quad.other, Origin{leaf, i});
+        } else if (count == 3 && ends_ == CrackEnds::halfQuads) {
+          std::array<std::uint32_t, 3> t{};
+          std::ranges::copy_if(quad.vertex, t.begin(), inside);
           visit(t, quad.label, quad.other, Origin{leaf, i});
+        }
       }
     }
     for (const InterfaceTriangle& gap : gaps_) {
@@ -287,12 +296,7 @@ class CrackMeshing {
     }
   }
 
-  // Whether a quad is one side of a crack, the one of the lower label.
-  bool isCrack(const InterfaceQuad& quad) const {
-    return quad.label < quad.other && std::none_of(quad.vertex.begin(), quad.vertex.end(),
-                                                   [&](std::uint32_t v) { return isBorder_[v]; });
-  }
-
+  const CrackEnds ends_;
   const Field field_;
   const std::span<const LeafNeighbors> neighborhoods_;
   std::vector<std::uint32_t> cracked_, withCells_;  // leaves, ascending
@@ -310,10 +314,11 @@ class CrackMeshing {
 }  // namespace
 
 Complex crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
-                     std::span<const LeafNeighbors> neighborhoods, const Progress* progress) {
+                     std::span<const LeafNeighbors> neighborhoods, const Progress* progress,
+                     CrackEnds ends) {
   Solid whole = solid;
   whole.blocks = beyond.blocks;
-  return CrackMeshing(whole, beyond, cut, neighborhoods).mesh(solid.frame, progress);
+  return CrackMeshing(whole, beyond, cut, neighborhoods, ends).mesh(solid.frame, progress);
 }
 
 }  // namespace sherd

@@ -20,6 +20,13 @@ namespace sherd {
 [[nodiscard]] Labels labelsBeyond(const Solid& solid, const Labels& labels, const Cut& cut,
                                   std::span<const LeafNeighbors> neighborhoods);
 
+/// Where cracks end, at cells that reach beyond the exterior band.
+enum class CrackEnds {
+  quads,      ///< at the last quad without a corner there
+  halfQuads,  ///< at the last triangle: a little farther out, where a crack may not reach the
+              ///< surface else
+};
+
 /// Returns the surfaces between the labels inside and in the exterior band, which overhang the
 /// solid's surface by about half a voxel to three voxels: the dual mesh of interface_mesh.h without
 /// the original surface.  Of a face's labels the front is the lower, and the back may be
@@ -29,6 +36,7 @@ namespace sherd {
 ///   throws  Error(cancelled)
 [[nodiscard]] Complex crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
                                    std::span<const LeafNeighbors> neighborhoods,
-                                   const Progress* progress = nullptr);
+                                   const Progress* progress = nullptr,
+                                   CrackEnds ends = CrackEnds::quads);
 
 }  // namespace sherd

@@ -137,7 +137,7 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
                       const Progress* progress) {
   const Cut cut = findCut(labels, neighborhoods, CutExtent::exact, progress);
   const Labels beyond = labelsBeyond(solid, labels, cut, neighborhoods);
-  const Complex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
+  Complex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
   const auto indexOf = [&](const glm::dvec3& p) { return solid.frame.indexFromWorld(p); };
   LabelReader reader(*beyond.blocks, beyond);
   const SpaceLabels space{[&](const glm::dvec3& p) { return reader.at(voxelAt(indexOf(p))); },
@@ -152,6 +152,10 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
         progress);
     surface = exactSurface(mesh, simple, fragments, space, progress);
     if (!surface.isDegenerate) break;
+    // What a displacement does not mend may be a crack that ends at the surface.
+    if (attempt == 1) {
+      cracks = crackSurface(solid, beyond, cut, neighborhoods, progress, CrackEnds::halfQuads);
+    }
   }
   if (surface.failure.empty()) {
     surface.meshes = withoutSlivers(std::move(surface.meshes), mesh, cleanOptions(solid), progress);

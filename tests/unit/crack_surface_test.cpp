@@ -40,7 +40,8 @@ struct Cracked {
   FractureResult result;
   Complex cracks;
 
-  Cracked(TriangleMesh of, int pieces, double roughness = 0.0) : mesh(std::move(of)) {
+  Cracked(TriangleMesh of, int pieces, double roughness = 0.0, CrackEnds ends = CrackEnds::quads)
+      : mesh(std::move(of)) {
     Device device("builtin");
     FractureOptions options{.pieces = pieces, .seed = 3, .solid = {.resolution = 48}};
     options.grow.roughness = roughness;
@@ -48,7 +49,7 @@ struct Cracked {
     const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(result.solid.blocks->origins);
     const Cut cut = findCut(result.labels, neighborhoods, CutExtent::exact);
     const Labels beyond = labelsBeyond(result.solid, result.labels, cut, neighborhoods);
-    cracks = crackSurface(result.solid, beyond, cut, neighborhoods);
+    cracks = crackSurface(result.solid, beyond, cut, neighborhoods, nullptr, ends);
   }
 
   double voxel() const { return result.solid.frame.voxelSize; }
@@ -168,6 +169,33 @@ TEST(CrackSurface, IsClosedAroundEveryLabelInsideTheSolid) {
       }
     }
   }
+}
+
+TEST(CrackSurface, WithHalfQuadsHasMoreFacesBeyondTheSolid) {
+  const Cracked quads(shapes::ball(1.0), 60);
+  const Cracked more(shapes::ball(1.0), 60, 0.0, CrackEnds::halfQuads);
+  const auto cornersOf = [](const Complex& cracks) {
+    std::set<std::array<std::array<double, 3>, 3>> all;
+    for (const glm::uvec3& t : trianglesOf(cracks)) {
+      std::array<std::array<double, 3>, 3> own;
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec3& v = cracks.vertices[t[k]];
+        own[static_cast<std::size_t>(k)] = {v.x, v.y, v.z};
+      }
+      std::sort(own.begin(), own.end());
+      all.insert(own);
+    }
+    return all;
+  };
+  const auto before = cornersOf(quads.cracks), after = cornersOf(more.cracks);
+  EXPECT_GT(after.size(), before.size() + 100);
+  EXPECT_TRUE(std::includes(after.begin(), after.end(), before.begin(), before.end()));
+  for (const auto& face : after) {
+    if (before.contains(face)) continue;
+    for (const auto& [x, y, z] : face) EXPECT_GT(std::hypot(x, y, z), 1.0);
+  }
+  EXPECT_GE(overhangOf(more.cracks).nearer, overhangOf(quads.cracks).nearer);
+  EXPECT_EQ(crossings(more.cracks), 0u);
 }
 
 TEST(CrackSurface, DoesNotCrossItself) {
