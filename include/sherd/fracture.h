@@ -60,12 +60,7 @@ struct FractureOptions {
   SurfaceOptions surface{};
 };
 
-/// Up to how many pieces Surface::automatic is Surface::exact: beyond that these are a few voxels
-/// wide, and cutting them takes many times as long.
-inline constexpr int kMostExactPieces = 1000;
-
-/// As surfaceOf(options.surface), and Surface::smooth if the whole surface is eroded, or there are
-/// more than kMostExactPieces.
+/// As surfaceOf(options.surface), and Surface::smooth if the whole surface is eroded.
 [[nodiscard]] Surface surfaceOf(const FractureOptions& options);
 
 /// Returns options.shares; where there are impacts, which set the sizes of pieces, without sizes

@@ -353,8 +353,7 @@ const Row kSurfaceRows[]{
          "the creases and corners of the input as sharp as they are where its details are "
          "larger than a voxel. `labels`: the voxel faces of the fragment, as in the paper. "
          "`auto` is `exact`, but `smooth` for volumes, with `--interface independent`, with "
-         "smoothing, where all surfaces are eroded, for more than 1,000 pieces, and where "
-         "no file has meshes or points; with "
+         "smoothing, where all surfaces are eroded, and where no file has meshes or points; with "
          "`--only` `exact` if some fragments are. In datasets `auto` is `smooth`, which "
          "takes less time. The `.vdb` files are the same for all",
      .key = "surface.of",

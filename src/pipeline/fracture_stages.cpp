@@ -102,8 +102,7 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
 Surface surfaceOf(const FractureOptions& options) {
   const bool isAutomatic = options.surface.surface == Surface::automatic;
   const bool isEroded = options.erode.on == ErodeOn::all && !options.erode.iterations.isZero();
-  const bool isSmooth = isEroded || options.pieces > kMostExactPieces;
-  return isAutomatic && isSmooth ? Surface::smooth : surfaceOf(options.surface);
+  return isAutomatic && isEroded ? Surface::smooth : surfaceOf(options.surface);
 }
 
 ShareOptions sharesOf(const FractureOptions& options) {

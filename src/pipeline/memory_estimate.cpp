@@ -29,8 +29,9 @@ constexpr double kPerInsideVoxel = 8.0;     // leaves, labels and growth
 constexpr double kOfErosion = 9.0;          // additional: masks of fragments, labels before erosion
 constexpr double kOfCost = 11.0;  // additional: four bytes on the device, the host and in the file
 constexpr double kExactTriangle = 220.0;  // additional, of exact surfaces: parts and their edges
-constexpr double kExactCut = 300.0;       // per voxel of cracks: their mesh, polygons and parts
-constexpr double kExactRoughCut = 800.0;  // the same of rough cracks, which stay as they are meshed
+constexpr double kExactCut = 400.0;       // per voxel of cracks: their mesh, polygons and parts
+constexpr double kExactRoughCut =
+    1050.0;                               // the same of rough cracks, which stay as they are meshed
 constexpr double kSimplified = 1.6;       // factor where meshes are decimated
 constexpr double kMerged = 1.3;           // the same where triangles are merged in planes
 constexpr double kPerWayToMiddle = 12.0;  // of each voxel of the leaves, host and device

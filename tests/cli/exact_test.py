@@ -400,7 +400,7 @@ class Exact(CommandLine):
         for options in (("--write", "labels"), ("--interface", "independent"), ("--preset", "training"), ("--smooth-iterations", "2"),
                         ("--erode-iterations", "1", "--erode-on", "all")):
             self.assertEqual(self.surfaces(*options), "smooth")
-        self.assertEqual(self.surfaces("--write", "mesh", mesh=self.ball, pieces=1001), "smooth")
+        self.assertEqual(self.surfaces("--write", "mesh", mesh=self.ball, pieces=1001), "exact")
         self.assertEqual(self.surfaces("--preset", "paper"), "labels")
         # A volume has no triangles, and fragments are broken again as they are.
         self.assertEqual(self.surfaces(out=self.path("volume")), "exact")
