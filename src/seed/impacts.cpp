@@ -150,14 +150,24 @@ std::optional<Candidate> drawNear(const AimedImpact& aimedImpact, const glm::dve
   return candidates.at(point);
 }
 
-// Adds the seeds on rings.  What is taken, or not resolved by the voxels, is left out.
+// Adds the seeds on rings.  One whose voxel is taken, or whose wall the voxels do not resolve,
+// takes the nearest voxel that is free, so that those after it keep their numbers; where none is
+// near, it is left out.
 void addRings(const AimedImpact& aimedImpact, const Candidates& candidates, std::size_t end,
               Chosen& chosen) {
   for (const glm::dvec3& point : aimedImpact.rings) {
     if (chosen.size() == end) return;
-    const std::optional<Candidate> found = candidates.at(point);
-    if (!found || !found->key) continue;
-    if (chosen.components().at(*found->key) == aimedImpact.component) (void)chosen.add(*found);
+    std::optional<Candidate> found = candidates.at(point);
+    if (!found) continue;
+    const auto isFree = [&](VoxelKey key) {
+      return chosen.components().at(key) == aimedImpact.component && !chosen.has(key);
+    };
+    if (!found->key || !isFree(*found->key)) {
+      constexpr double kNear = 8.0;  // voxels
+      found->key = candidates.voxels().nearestWithin(point, kNear, isFree);
+      if (found->key) found->shift = shiftOf(point, candidates.voxels().voxelAt(*found->key));
+    }
+    (void)chosen.add(*found);
   }
 }
 
