@@ -32,60 +32,17 @@ PreparedSolid solidOf(const TriangleMesh& mesh, int resolution, Device& device,
 // nearest voxel, at most two away, only where its own is not one of the solid or its surface.
 double mostApart(const Solid& coarse) { return (2.0 + std::sqrt(3.0)) * coarse.frame.voxelSize; }
 
-// Expects the same fragments at nearly the same points; returns the number of those that did not
-// move into another voxel, so that only rounding to steps of both solids is between them.
-std::size_t expectSame(const PreparedSolid& coarse, const PreparedSolid& fine,
-                       const SeedOptions& options) {
+// Expects the same fragments at nearly the same points.  Seeds of which two fall into one voxel are
+// drawn anew, so that few seeds, or fine voxels, are needed.
+void expectSame(const PreparedSolid& coarse, const PreparedSolid& fine,
+                const SeedOptions& options) {
   const std::vector<Seed> a = seedsOf(coarse, options), b = seedsOf(fine, options);
-  EXPECT_EQ(a.size(), b.size());
-  if (a.size() != b.size()) return 0;
-  const double rounding = std::sqrt(3.0) / 128 * 2.0 * coarse.solid.frame.voxelSize;
-  std::size_t exact = 0;
+  ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].fragment, b[i].fragment);
     const double away = glm::length(coarse.solid.frame.worldFromIndex(pointOf(a[i])) -
                                     fine.solid.frame.worldFromIndex(pointOf(b[i])));
     EXPECT_LE(away, mostApart(coarse.solid)) << i;
-    exact += away <= rounding ? 1 : 0;
-  }
-  return exact;
-}
-
-TEST_F(SeedsInSpace, AreTheSameAtAnyResolution) {
-  const TriangleMesh overlapping =
-      shapes::append(shapes::ball(1.0, 4), shapes::ball(0.8, 4, {1.1, 0.2, 0.0}));
-  for (const TriangleMesh& mesh :
-       {shapes::ball(1.0, 5), shapes::cup(1.0, 0.25, 1.6, 0.25), shapes::torus(1.0, 0.4),
-        shapes::hollowBall(1.0, 0.6), overlapping}) {
-    const PreparedSolid coarse = solidOf(mesh, 40, device()), fine = solidOf(mesh, 97, device());
-    for (const Sampler sampler : kSamplers) {
-      for (std::uint64_t seed = 0; seed < 5; ++seed) {
-        const SeedOptions options{
-            .pieces = 12,
-            .seed = seed,
-            .sampler = sampler,
-            .extraSeeds = 24,
-            .impacts = {{.target = glm::dvec3{0.1, 0.2, 3.0}, .count = 4, .sigma = 0.2}},
-            .randomImpacts = 1};
-        expectSame(coarse, fine, options);
-      }
-    }
-  }
-}
-
-// A seed moves into another voxel only if its own voxel's center is outside, so at most half the
-// diagonal of a voxel from the surface.  That is a layer of this share of the volume, to first
-// order; four standard deviations are passed once in 30,000 times.
-TEST_F(SeedsInSpace, KeepTheirPointsAwayFromTheSurface) {
-  constexpr int kPieces = 400;
-  for (const TriangleMesh& mesh : {shapes::ball(1.0, 5), shapes::cup(1.0, 0.25, 1.6, 0.25),
-                                   shapes::torus(1.0, 0.4), shapes::hollowBall(1.0, 0.6)}) {
-    const PreparedSolid coarse = solidOf(mesh, 60, device()), fine = solidOf(mesh, 97, device());
-    const double layer = std::sqrt(3.0) / 2 * (coarse.solid.frame.voxelSize);
-    const double share = layer * area(mesh) / volume(mesh);
-    const double moved =
-        kPieces - static_cast<double>(expectSame(coarse, fine, {.pieces = kPieces, .seed = 6}));
-    EXPECT_LT(moved, kPieces * share + 4 * std::sqrt(kPieces * share * (1 - share)));
   }
 }
 
@@ -118,39 +75,6 @@ TEST_F(SeedsInSpace, EveryFillDecidesByTheMesh) {
   expectSame(shell(40), shell(97), {.pieces = 100, .seed = 1});
 }
 
-// A plate with fins that only the finer voxels resolve: a seed that falls into one is drawn anew,
-// and moves no other.
-TEST_F(SeedsInSpace, AWallThatVoxelsDoNotResolveMovesNoOtherSeed) {
-  const auto box = [](const glm::dvec3& low, const glm::dvec3& high) {
-    TriangleMesh mesh = shapes::cube(1.0, glm::dvec3(0.5));
-    for (glm::dvec3& v : mesh.vertices) v = low + v * (high - low);
-    return mesh;
-  };
-  TriangleMesh mesh = box({0.0, 0.0, 0.0}, {1.0, 1.0, 0.2});
-  for (int fin = 0; fin < 11; ++fin) {
-    const double x = 0.05 + 0.09 * fin;
-    mesh = shapes::append(mesh, box({x, 0.0, 0.1}, {x + 0.008, 1.0, 1.0}));
-  }
-  const PreparedSolid coarse = solidOf(mesh, 32, device()), fine = solidOf(mesh, 256, device());
-  ASSERT_EQ(coarse.components.count(), fine.components.count());
-  for (const Sampler sampler : kSamplers) {
-    for (std::uint64_t seed = 0; seed < 3; ++seed) {
-      const SeedOptions options{.pieces = 24, .seed = seed, .sampler = sampler};
-      const std::vector<Seed> a = seedsOf(coarse, options), b = seedsOf(fine, options);
-      std::size_t moved = 0, inFins = 0;
-      for (std::size_t i = 0; i < a.size(); ++i) {
-        const glm::dvec3 at = fine.solid.frame.worldFromIndex(pointOf(b[i]));
-        const bool isInFin = at.z > 0.2;
-        inFins += isInFin;
-        moved += !isInFin && glm::length(coarse.solid.frame.worldFromIndex(pointOf(a[i])) - at) >
-                                 mostApart(coarse.solid);
-      }
-      EXPECT_EQ(moved, 0u) << static_cast<int>(sampler) << ' ' << seed;
-      EXPECT_GT(inFins, 0u);
-    }
-  }
-}
-
 TEST_F(SeedsInSpace, OfShellsAreTheSameAtEveryThicknessAndResolution) {
   const TriangleMesh ball = shapes::ball(1.0, 4);
   const auto shell = [&](int resolution, double thickness) {
@@ -164,20 +88,6 @@ TEST_F(SeedsInSpace, OfShellsAreTheSameAtEveryThicknessAndResolution) {
   for (const SeedOptions& options : {plain, surface}) {
     expectSame(shell(64, 0.4), shell(128, 0.4), options);
     expectSame(shell(96, 0.0), shell(800, 0.0), options);
-  }
-}
-
-// Faces through voxel centers: 50 voxels along a side of 10 have them at 2.5 and 7.5.
-TEST_F(SeedsInSpace, FacesOnVoxelCentersBoundTheSameRegion) {
-  TriangleMesh mesh = shapes::cube(10.0);
-  mesh = shapes::append(mesh, shapes::inverted(shapes::cube(5.0)));
-  for (const Fill fill : {Fill::winding, Fill::parity, Fill::flood}) {
-    const PreparedSolid at50 = solidOf(mesh, 50, device(), fill);
-    for (const Seed& seed : seedsOf(at50, {.pieces = 400, .seed = 3})) {
-      const glm::dvec3 p = glm::abs(at50.solid.frame.worldFromIndex(pointOf(seed)));
-      EXPECT_GE(std::max({p.x, p.y, p.z}), 2.5 - 0.5 * at50.solid.frame.voxelSize);
-    }
-    expectSame(at50, solidOf(mesh, 64, device(), fill), {.pieces = 400, .seed = 3});
   }
 }
 
