@@ -51,6 +51,8 @@ def parts_again(*state: Any) -> Fracture:
         ids, options = json.loads(content)
         given = [(name, text) for name, text in options]
         _core.check_options(given)
+        if not ids:
+            raise InputError("this pickle of a fracture is damaged: it names no fragment that was broken again")
         return before._broken(list(ids), given, DEVICE, None)
 
 

@@ -227,7 +227,8 @@ class Fracture(Sequence[Fragment]):
         everything = _core.options_again(self._core, given)
         _options.check_together(everything, given)
         last = len(self)
-        numbers = [whole("ids", id, 1, last) for id in (items_of("ids", ids) if is_sequence(ids) else [ids])]
+        several: list[Any] = [ids] if isinstance(ids, int) or not is_sequence(ids) else items_of("ids", ids)
+        numbers = [whole("ids", id, 1, last) for id in several]
         if not numbers:
             raise UsageError("ids: no fragment is named")
         return self._broken(numbers, everything, device, progress)

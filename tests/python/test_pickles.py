@@ -14,12 +14,12 @@ from conftest import cube, run
 
 import pysherd
 from pysherd import _core
-from pysherd._break import broken_again, loaded_again
+from pysherd._break import broken_again, loaded_again, parts_again
 from pysherd._fragment import _fragment_again
 from pysherd._options import _options_again
 from pysherd._solid import _unpickled
 
-OURS = {"solid": _unpickled, "fracture": broken_again, "loaded": loaded_again, "fragment": _fragment_again, "options": _options_again}
+OURS = {"solid": _unpickled, "fracture": broken_again, "loaded": loaded_again, "again": parts_again, "fragment": _fragment_again, "options": _options_again}
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def test_a_fracture_of_given_seeds_is_saved_and_pickled(subjects, tmp_path):
 def test_another_version_is_named(subjects, number):
     state = bytearray(subjects["arrays"]._core.state)
     state[7] = number
-    with pytest.raises(pysherd.InputError, match=f"another version of pysherd.*format {number}, and format 2 is read; make it again"):
+    with pytest.raises(pysherd.InputError, match=f"another version of pysherd.*format {number}, and format 3 is read; make it again"):
         _unpickled(bytes(state))
 
 
@@ -141,6 +141,7 @@ def solid_fields(**fields):
         "textures": several([]), "objects": several([]), "object_of_triangle": array([]), "polygons": array([]), "grids": several([]),
         "warnings": several([]), "file_vertices": one(8), "degenerate": one(0), "dropped_vertices": one(0), "dropped_triangles": one(0),
         "isovalue": several([]),
+        "unit": one(1.0, "d"), "up": one(b"y", "c"), "unit_from": one(0, "i"), "up_from": one(0, "i"),
     }  # fmt: skip
     assert fields.keys() <= content.keys()
     return {**content, **fields}
@@ -153,7 +154,7 @@ def test_the_state_that_forgeries_begin_with_is_right():
 
 
 def test_a_solid_of_an_older_version_is_refused():
-    with pytest.raises(pysherd.InputError, match="^this pickle of a solid is of another version of pysherd or damaged: its state has format 1, and format 2 is read; make it again$"):
+    with pytest.raises(pysherd.InputError, match="^this pickle of a solid is of another version of pysherd or damaged: its state has format 1, and format 3 is read; make it again$"):
         _unpickled(state_of_format_1())
 
 
@@ -192,6 +193,10 @@ MATERIAL = text(b"m") + struct.pack("<Q3f", 1, 1, 1, 1)
     ("isovalue that is not finite", {"isovalue": several([one(np.inf, "d")])}),
     ("whose size is no length", {"own_voxel_size": one(np.nan, "d")}),
     ("whose size is no length", {"own_voxel_size": one(-1.0, "d")}),
+    ("coordinates without a unit", {"unit": one(np.nan, "d")}),
+    ("coordinates without a unit", {"unit": one(0.0, "d")}),
+    ("coordinates without a unit", {"up": one(b"w", "c")}),
+    ("coordinates without a unit", {"up_from": one(7, "i")}),
     ("name that is none of a file", {"stem": text(b"../../x")}),
     ("name that is none of a file", {"name": text(b"a\0b")}),
     ("resolution: ", {"given": several([text(b"resolution") + text(b"1e9")])}),
@@ -271,3 +276,9 @@ def test_a_level_set_of_a_named_grid_is_pickled(subjects, tmp_path):
     f.save(tmp_path / "out", write=["vdb", "solid"])
     named = pysherd.voxelize(next((tmp_path / "out" / "fragments").glob("*.vdb")), grid="surface")
     assert np.array_equal(pysherd.fracture(pickle.loads(pickle.dumps(named)), pieces=2).labels, pysherd.fracture(named, pieces=2).labels)
+
+
+@pytest.mark.parametrize("content", [b"", b"3", b"[]", b"[[9],[]]", b"[[0],[]]", b"[[],[]]", b'[["x"],[]]', b'[[1],[["pieces","x"]]]', b'[1,2]'])
+def test_forged_parts_are_refused(subjects, content):
+    with pytest.raises(pysherd.InputError):
+        parts_again(subjects["fracture"], _core.sealed("fracture", content))
