@@ -59,6 +59,11 @@ def joined(*meshes):
     return v, f
 
 
+def all_contacts(fragment):
+    """The contacts of a fragment of a manifest, those too that are thinner than a voxel."""
+    return fragment["contacts"] + fragment.get("thin_contacts", [])
+
+
 def write_obj(path, mesh):
     with open(path, "w") as out:
         out.writelines(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in mesh[0])

@@ -124,7 +124,8 @@ class Bodies(CommandLine):
         self.kinds(manifest)
         Glb(self, os.path.join(self.out, manifest["scene"]))
         _, root = read_usda(pathlib.Path(self.out, "scene.usda").read_text())
-        meshes = [prim for _, prim in root.walk() if prim.kind == "Mesh"]
+        bodies = [prim for _, prim in root.walk() if "PhysicsRigidBodyAPI" in prim.metadata.get("apiSchemas", [])]
+        meshes = [body.variants["lod"]["LOD0"].child(body.name) for body in bodies]
         self.assertEqual(len(meshes), len(manifest["fragments"]))
         for fragment, prim in zip(manifest["fragments"], meshes):
             triangles = np.array(prim.values["faceVertexIndices"]).reshape(-1, 3)

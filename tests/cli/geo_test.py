@@ -11,7 +11,7 @@ import numpy as np
 
 import skipping
 from appearance_test import PICTURE, drum
-from cli_test import CommandLine, joined, sphere, write_obj
+from cli_test import CommandLine, all_contacts, joined, sphere, write_obj
 from geo_file import Geometry
 from ply_file import read_ply, read_triangles
 
@@ -92,7 +92,7 @@ class Geo(CommandLine):
         fragments = manifest["fragments"]
         self.assertEqual(list(geo.point("name")), [f"piece{f['id']}" for f in fragments])
         np.testing.assert_array_equal(geo.point("P"), np.array([f["centroid"] for f in fragments], np.float32))
-        contacts = {(f["id"], c["id"]): (f, fragments[c["id"] - 1], c["area"]) for f in fragments for c in f["contacts"]
+        contacts = {(f["id"], c["id"]): (f, fragments[c["id"] - 1], c["area"]) for f in fragments for c in all_contacts(f)
                     if f["id"] < c["id"] <= len(fragments)}
         pairs = [tuple(pair) for pair in (geo.points + 1).tolist()]
         self.assertEqual(sorted(pairs), sorted(contacts))

@@ -13,7 +13,7 @@ import numpy as np
 
 import skipping
 from appearance_test import png
-from cli_test import CommandLine, sphere
+from cli_test import CommandLine, all_contacts, sphere
 from glb_file import PHYSICS, Glb, write_glb
 from usd_file import read_usda
 
@@ -271,7 +271,7 @@ class Gltf(CommandLine):
         joints = file.json["extensions"][PHYSICS]["physicsJoints"]
         self.assertEqual(joints, [{"name": "fixed", "limits": [{"linearAxes": [0, 1, 2], "min": 0, "max": 0},
                                                                {"angularAxes": [0, 1, 2], "min": 0, "max": 0}]}])
-        contacts = {(f["id"], c["id"]): c for f in manifest["fragments"] for c in f["contacts"] if f["id"] < c["id"]}
+        contacts = {(f["id"], c["id"]): c for f in manifest["fragments"] for c in all_contacts(f) if f["id"] < c["id"]}
         found = set()
         for i, node in enumerate(nodes):
             if "joint" not in file.physics(i):

@@ -13,7 +13,7 @@ import numpy as np
 
 import skipping
 from appearance_test import PICTURE, drum
-from cli_test import CommandLine, joined, sphere, write_obj
+from cli_test import CommandLine, all_contacts, joined, sphere, write_obj
 from ply_file import columns, read_ply, read_triangles
 from usd_file import read_usda
 
@@ -93,7 +93,7 @@ class Usd(CommandLine):
 
     def check_joints(self, manifest, root, pieces, strength):
         joints = {tuple(map(int, j.name.split("_")[1:])): j for j in root.child("joints").children}
-        contacts = {(f["id"], c["id"]): (f, c) for f in manifest["fragments"] for c in f["contacts"] if f["id"] < c["id"]}
+        contacts = {(f["id"], c["id"]): (f, c) for f in manifest["fragments"] for c in all_contacts(f) if f["id"] < c["id"]}
         kept = {f["id"] for f in manifest["fragments"]}
         contacts = {pair: both for pair, both in contacts.items() if pair[1] in kept}
         self.assertEqual(sorted(joints), sorted(contacts))
