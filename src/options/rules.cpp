@@ -295,6 +295,12 @@ std::vector<Rule> surfaceRules() {
        [](O o, U) { return none(o.fracture.surface.smooth.boundaryIterations); },
        "does nothing without {smooth-boundary-iterations}",
        {"smooth-boundary-iterations"}},
+      {{"triangles"},
+       Verdict::idle,
+       [](O o, U) {
+         return !writes(o, {"mesh", "scene", "usd", "houdini"});
+       },
+       "does nothing without mesh, scene, usd or houdini in {write}"},
   };
 }
 
@@ -304,12 +310,6 @@ std::vector<Rule> formatRules() {
        Verdict::idle,
        [](O o, U) { return !writes(o, {"mesh"}); },
        "does nothing without mesh in {write}"},
-      {{"triangles"},
-       Verdict::idle,
-       [](O o, U) {
-         return !writes(o, {"mesh", "scene", "usd", "houdini"});
-       },
-       "does nothing without mesh, scene, usd or houdini in {write}"},
       {{"plain-meshes"},
        Verdict::idle,
        [](O o, U) {

@@ -15,8 +15,8 @@
 #include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_document.h"
 #include "formats/mesh/gltf_primitive.h"
-#include "formats/mesh/gltf_transforms.h"
 #include "formats/mesh/gltf_root.h"
+#include "formats/mesh/gltf_transforms.h"
 #include "formats/mesh/normals.h"
 
 namespace sherd {
