@@ -42,3 +42,12 @@ def test_a_saved_fracture_has_them_and_is_rendered_by_them(tmp_path):
     image = loaded.render(size=(64, 48))
     assert np.array_equal(image, loaded.render(size=(64, 48), up="z"))
     assert not np.array_equal(image, loaded.render(size=(64, 48), up="y"))
+
+
+def test_trimesh_sees_the_object_upright_and_in_its_size(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    vertices, faces = cube()
+    solid = pysherd.voxelize((vertices * [100, 200, 400], faces), resolution=16, unit="mm", up="z")
+    pysherd.fracture(solid, pieces=1).save(tmp_path / "out", write=["scene", "mesh"], mesh_format="glb")
+    for file in (tmp_path / "out" / "scene.glb", next((tmp_path / "out" / "meshes").iterdir())):
+        np.testing.assert_allclose(trimesh.load(file).extents, [0.1, 0.4, 0.2], rtol=1e-6)
