@@ -2,6 +2,7 @@
 #include "folder/voxels_of_meshes.h"
 
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,13 +34,29 @@ void requireMemoryOf(const fs::path& file, const TriangleMesh& mesh, const Manif
   }
 }
 
-// Gives the voxels of a fragment its id, unless they have one.
-void setLabels(Labels& labels, const LeafBlocks& fragment, std::uint16_t id) {
+// Refuses a mesh beyond the manifest's grid, whose voxels may not even have numbers.
+void requireWithin(const fs::path& file, const TriangleMesh& mesh, const GridFrame& frame,
+                   const Manifest& manifest) {
+  constexpr double kMost = 4.0;  // voxels that a smooth surface may lie outside
+  const Box box = bounds(mesh);
+  const glm::dvec3 low = frame.indexFromWorld(box.min), high = frame.indexFromWorld(box.max);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double first = manifest.indexMin[axis], last = first + manifest.dims[axis];
+    if (low[axis] >= first - kMost && high[axis] <= last + kMost) continue;
+    inputError(file, "lies outside of the grid of the manifest beside it");
+  }
+}
+
+// Gives the voxels of a fragment its id, unless they have one.  Returns whether any has it.
+bool setLabels(Labels& labels, const LeafBlocks& fragment, std::uint16_t id) {
+  bool isAny = false;
   fragment.forEachInside([&](std::size_t voxel) {
     const std::uint32_t leaf = findLeaf(*labels.blocks, fragment.origins[voxel / 512]);
     std::uint16_t& own = labels.fragment[std::size_t{leaf} * 512 + voxel % 512];
     if (own == 0) own = id;
+    isAny |= own == id;
   });
+  return isAny;
 }
 
 }  // namespace
@@ -59,6 +76,7 @@ void setVoxelsOfMeshes(FinishedFracture& finished, const fs::path& file, const M
     }
     const fs::path path = listedFile(file, name);
     const TriangleMesh mesh = readMesh(path, options).mesh;
+    requireWithin(path, mesh, frame, manifest);
     requireMemoryOf(path, mesh, manifest, options.maxMemory);
     FloatGridPtr own = levelSetIn(mesh, frame);
     fragments.push_back(leafBlocks(*own));
@@ -82,7 +100,9 @@ void setVoxelsOfMeshes(FinishedFracture& finished, const fs::path& file, const M
   labels.fragmentCount = static_cast<int>(fragments.size());
   labels.fragment.assign(solid.blocks->count() * 512, 0);
   for (std::size_t i = 0; i < fragments.size(); ++i) {
-    setLabels(labels, fragments[i], static_cast<std::uint16_t>(i + 1));
+    if (setLabels(labels, fragments[i], static_cast<std::uint16_t>(i + 1))) continue;
+    inputError(file, "the mesh of fragment " + std::to_string(i + 1) +
+                         " has no voxel that is not of another fragment");
   }
 }
 

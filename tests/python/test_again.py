@@ -128,6 +128,27 @@ def test_voxels_are_made_again_from_meshes(surface, write, mesh_format, tmp_path
     assert sum(f.volume for f in again) == pytest.approx(1.0, rel=1e-5 if surface == "exact" else 3e-3)
 
 
+@pytest.mark.parametrize("key, value", [("origin", [1e9, 0, 0]), ("origin", [1e300, 0, 0]), ("voxel_size", 1e-9), ("voxel_size", 1e9)])
+def test_meshes_that_do_not_fit_their_grid_are_refused(key, value, tmp_path):
+    broken(pieces=3).save(tmp_path / "first", write="mesh")
+    file = tmp_path / "first" / "manifest.json"
+    manifest = json.loads(file.read_text())
+    manifest["grid"][key] = value
+    file.write_text(json.dumps(manifest))
+    with pytest.raises(pysherd.FileError):
+        pysherd.load(tmp_path / "first").broken(1, pieces=2)
+
+
+def test_two_fragments_with_one_mesh_are_refused(tmp_path):
+    broken(pieces=3).save(tmp_path / "first", write="mesh")
+    file = tmp_path / "first" / "manifest.json"
+    manifest = json.loads(file.read_text())
+    manifest["fragments"][1]["files"]["mesh"] = manifest["fragments"][0]["files"]["mesh"]
+    file.write_text(json.dumps(manifest))
+    with pytest.raises(pysherd.FileError, match="fragment 2"):
+        pysherd.load(tmp_path / "first").broken(1, pieces=2)
+
+
 def test_a_folder_with_neither_meshes_nor_voxels_is_refused(tmp_path):
     broken().save(tmp_path / "first", write="labels")
     with pytest.raises(pysherd.FileError, match="neither meshes"):
