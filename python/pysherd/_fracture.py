@@ -224,7 +224,10 @@ class Fracture(Sequence[Fragment]):
             A file of a fracture that was loaded is absent or damaged.
         """
         given = _options.given(options, _options.BROKEN, "broken")
-        everything = _core.options_again(self._core, given)
+        try:
+            everything = _core.options_again(self._core, given)
+        except Error as e:
+            raise _of_file(e, self._is_loaded) from None
         _options.check_together(everything, given)
         last = len(self)
         several: list[Any] = [ids] if isinstance(ids, int) or not is_sequence(ids) else items_of("ids", ids)
@@ -354,6 +357,8 @@ def file_errors(job: _core.Job, progress: _jobs.Progress | None, is_file: bool) 
     try:
         return _jobs.finish(job, progress)
     except Error as e:
-        if is_file and e.code == FileError.code:
-            raise FileError(str(e), e.options) from None
-        raise
+        raise _of_file(e, is_file) from None
+
+
+def _of_file(error: Error, is_file: bool) -> Error:
+    return FileError(str(error), error.options) if is_file and error.code == FileError.code else error

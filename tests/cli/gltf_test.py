@@ -173,6 +173,11 @@ class Gltf(CommandLine):
             np.testing.assert_allclose(vertices["TEXCOORD_0"].T, at, atol=1e-5)
             seen.add(material["name"])
         self.assertEqual(seen, {"glaze", "plain"})
+        for transform in ({"scale": [3e38, 3e38], "offset": [3e38, 0]}, {"scale": "x", "rotation": []}, 5):  # nothing is refused
+            odd = {"name": "odd", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": transform}}}}
+            done = self.run_sherd("convert", model(self.path("model.glb"), [odd]), out)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(all(np.isfinite(v["TEXCOORD_0"]).all() for _, _, v in Glb(self, out).primitives()))
         self.assertIn("transformed in several ways", self.run_sherd("convert", model(self.path("model.glb"), [GLAZE]), out).stderr)
 
     def test_a_library_of_obj_becomes_glTF(self):

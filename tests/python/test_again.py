@@ -139,6 +139,14 @@ def test_meshes_that_do_not_fit_their_grid_are_refused(key, value, tmp_path):
         pysherd.load(tmp_path / "first").broken(1, pieces=2)
 
 
+def test_a_folder_that_is_gone_is_a_file_error(tmp_path):
+    broken(pieces=3).save(tmp_path / "first", write="mesh")
+    loaded = pysherd.load(tmp_path / "first")
+    (tmp_path / "first" / "manifest.json").unlink()
+    with pytest.raises(pysherd.FileError, match="manifest.json"):
+        loaded.broken(1, pieces=2)
+
+
 def test_two_fragments_with_one_mesh_are_refused(tmp_path):
     broken(pieces=3).save(tmp_path / "first", write="mesh")
     file = tmp_path / "first" / "manifest.json"

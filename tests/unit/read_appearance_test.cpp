@@ -235,7 +235,7 @@ TEST_F(ReadAppearance, ObjHasColorsTexturesAndMaterials) {
 TEST_F(ReadAppearance, TilingOfObjIsInTheCoordinates) {
   write("skin.mtl",
         "newmtl a\nmap_Kd -s 2 4 1 -o 0.5 -t 1 1 1 my skin.png\n"
-        "newmtl b c\nmap_Kd my skin.png\nmap_Ke -s 3 my skin.png\n");
+        "newmtl b c\nmap_Kd -s 1e300 my skin.png\nKe 1e300 0 0\nmap_Ke -s 3 my skin.png\n");
   write("my skin.png", kPng);
   const SourceMesh source = read("cube.obj", objOf("mtllib skin.mtl\n", false));
   for (std::size_t t = 0; t < 12; ++t) {

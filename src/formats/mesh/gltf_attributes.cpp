@@ -107,9 +107,10 @@ class Textures {
     use["index"] = image;
     use.erase("texCoord");
     use.erase("sampler");
-    if (use.contains("extensions") && use["extensions"].contains("KHR_texture_transform")) {
+    const Json& transform =
+        GltfDocument::member(GltfDocument::member(use, "extensions"), "KHR_texture_transform");
+    if (transform.is_object() && !transform.empty())
       use["extensions"]["KHR_texture_transform"].erase("texCoord");
-    }
     const Json& texture = document_.at("textures", index);
     if (texture.contains("sampler")) {
       use["sampler"] = document_.at("samplers", document_.number(texture, "sampler"));

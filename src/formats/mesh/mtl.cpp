@@ -28,7 +28,8 @@ glm::vec2 pairOf(std::string_view& rest, glm::vec2 usual) {
     std::string_view next = rest;
     const auto value = parseReal(takeWord(next));
     if (!value) break;
-    if (i < 2 && std::isfinite(*value)) usual[i] = static_cast<float>(*value);
+    const auto number = static_cast<float>(*value);
+    if (i < 2 && std::isfinite(number)) usual[i] = number;
     rest = next;
   }
   return usual;
@@ -72,7 +73,7 @@ std::optional<glm::vec3> colorOf(std::string_view rest) {
   glm::vec3 color(0.0f);
   for (int i = 0; i < 3; ++i) {
     const auto value = parseReal(takeWord(rest));
-    if (!value || !std::isfinite(*value)) return std::nullopt;
+    if (!value || !std::isfinite(static_cast<float>(*value))) return std::nullopt;
     color[i] = std::max(static_cast<float>(*value), 0.0f);
   }
   return color;
