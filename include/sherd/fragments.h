@@ -231,9 +231,9 @@ struct ExtractOptions {
                                      ///< neighbors of eroded faces and contacts are computed from
                                      ///< them
   std::shared_ptr<const IntactSurface>
-      intact{};                         ///< of this solid, or null; affects only the speed
-  const ExactSurface* exact = nullptr;  ///< what Surface::exact is, of refracture; null: it is made
-  std::uint64_t seed = 0;  ///< where the vertices of Interface::independent's cracks are
+      intact{};                   ///< of this solid, or null; affects only the speed
+  ExactSurface* exact = nullptr;  ///< what Surface::exact is, which is taken; null: it is made
+  std::uint64_t seed = 0;         ///< where the vertices of Interface::independent's cracks are
 };
 
 /// Cuts every fragment out of the solid.  A fragment's level set is max(solid, distance to the

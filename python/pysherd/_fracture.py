@@ -21,8 +21,8 @@ _FILE_NAMES = frozenset(row.name for row in _options.SAVE.values())
 class Fracture(Sequence[Fragment]):
     """A solid that is broken: a sequence of fragments, with ids from 1; `fracture` and `load` make it.
 
-    What is not read is not made: `labels` come from the growth alone; measures, contacts and points need no meshes where surfaces
-    are the default ones; reading one mesh makes all.  It can be pickled: the pickle holds the solid and the options, and
+    What is not read is not made: with smooth surfaces `labels` come from the growth alone, with exact ones they agree with the
+    meshes, which are cut for them; measures, contacts and points of smooth surfaces need no meshes; reading one mesh makes all.  It can be pickled: the pickle holds the solid and the options, and
     unpickling breaks it again, to the same bits; of a fracture that was loaded it holds the path.  Damaged content is an `InputError`.
     """
 

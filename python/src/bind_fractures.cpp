@@ -65,8 +65,8 @@ Job* againJob(FracturePtr fracture, const std::vector<int>& ids, const GivenOpti
 }
 
 Job* labelsJob(FracturePtr fracture) {
-  return jobOf(std::move(fracture), [](FracturePtr of, const Progress&) -> Made {
-    auto voxels = std::make_shared<VoxelIds>(of->labels());
+  return jobOf(std::move(fracture), [](FracturePtr of, const Progress& progress) -> Made {
+    auto voxels = std::make_shared<VoxelIds>(of->labels(progress));
     return [voxels] {
       const auto side = [&](int axis) { return static_cast<std::size_t>(voxels->dims[axis]); };
       return arrayOf<std::uint16_t>(std::move(voxels->ids), {side(0), side(1), side(2)});

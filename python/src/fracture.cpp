@@ -150,7 +150,9 @@ sherd::GridFrame GrownPieces::frame() const {
   return frame;
 }
 
-VoxelIds GrownPieces::labels() const {
+VoxelIds GrownPieces::labels(const Progress& progress) {
+  const std::lock_guard lock(making_);
+  if (!grown_.isSettled) settle(grown_, surface(true), &progress);
   const sherd::Solid& solid = grown_.result.solid;
   const std::vector<std::uint16_t>& all = grown_.result.labels.fragment;
   VoxelIds voxels{solid.box.dims(), {}};
@@ -210,8 +212,16 @@ const sherd::FragmentSurfaces* GrownPieces::surfaces(const Progress& progress) {
 }
 
 std::vector<Fragment> GrownPieces::made(const Progress& progress) {
-  sherd::ExtractedFragments extracted = extractAll(grown_.result.solid, grown_.result.labels,
-                                                   grown_.extractOptions(surface(true)), &progress);
+  settle(grown_, surface(true), &progress);
+  sherd::ExtractOptions options = grown_.extractOptions(surface(true));
+  std::optional<sherd::ExactSurface> exact;  // that of fragments broken again can't be made anew
+  if (grown_.exact) {
+    exact = isAgain_ ? *grown_.exact : std::move(*grown_.exact);
+    if (!isAgain_) grown_.exact.reset();
+    options.exact = &*exact;
+  }
+  sherd::ExtractedFragments extracted =
+      extractAll(grown_.result.solid, grown_.result.labels, options, &progress);
   smoothText_ = sherd::smoothText(solid_->source(), extracted.fragments.size(),
                                   extracted.exactFailure, extracted.smooth);
   unitedText_ = sherd::unitedText(extracted.united);

@@ -55,7 +55,7 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   [[nodiscard]] virtual glm::dvec3 offset() const = 0;
   /// What positions mean in space.
   [[nodiscard]] virtual sherd::CoordinateSystem coordinates() const = 0;
-  [[nodiscard]] virtual VoxelIds labels() const = 0;
+  [[nodiscard]] virtual VoxelIds labels(const sherd::Progress& progress) = 0;
   [[nodiscard]] virtual std::uint64_t seed() const = 0;
 
   /// The fragments with mass, areas, voxels and contacts; perhaps without meshes.
@@ -149,7 +149,8 @@ class GrownPieces : public Fracture {
       : solid_(std::move(solid)),
         given_(std::move(given)),
         run_(std::move(run)),
-        grown_(std::move(grown)) {}
+        grown_(std::move(grown)),
+        isAgain_(grown_.exact.has_value()) {}
 
   [[nodiscard]] std::size_t count() const override {
     return static_cast<std::size_t>(grown_.result.labels.fragmentCount) - grown_.result.withheld;
@@ -161,7 +162,7 @@ class GrownPieces : public Fracture {
   [[nodiscard]] sherd::CoordinateSystem coordinates() const override {
     return coordinatesOf(solid_->source().coordinates, run_.write);
   }
-  [[nodiscard]] VoxelIds labels() const override;
+  [[nodiscard]] VoxelIds labels(const sherd::Progress& progress) override;
   [[nodiscard]] std::uint64_t seed() const override { return run_.fracture.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress&) override;
   [[nodiscard]] const std::vector<sherd::Fragment>& sampled(const sherd::Progress&) override;
@@ -201,6 +202,7 @@ class GrownPieces : public Fracture {
   GivenOptions given_;
   sherd::RunOptions run_;
   sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of sampled()
+  const bool isAgain_;  // with exact surfaces
   bool isMeasured_ = false;
   std::optional<bool> isMerged_;  // once it is known, guarded by making_
   std::string smoothText_, unitedText_;
@@ -220,7 +222,7 @@ class LoadedPieces : public Fracture {
   [[nodiscard]] sherd::CoordinateSystem coordinates() const override {
     return manifest_.coordinates;
   }
-  [[nodiscard]] VoxelIds labels() const override;
+  [[nodiscard]] VoxelIds labels(const sherd::Progress& progress) override;
   [[nodiscard]] std::uint64_t seed() const override { return manifest_.seed; }
   [[nodiscard]] const std::vector<sherd::Fragment>& measured(const sherd::Progress& p) override {
     return meshed(p);

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 // Makes and writes fragments in alternating batches, and frees what is not needed afterwards.
 //   result  receives the fragments; their number is final
 //   bodies  receives the input's
-std::vector<MeshFacts> makeAndWrite(const GrownFracture& grown, const FractureOptions& options,
+std::vector<MeshFacts> makeAndWrite(GrownFracture& grown, const FractureOptions& options,
                                     const WriteOptions& write, FractureResult& result,
                                     InputBodies& bodies, FractureWriting& writing,
                                     StageClock& clock, const Progress* progress) {
@@ -183,11 +183,13 @@ StagedFracture stageFracture(const fs::path& folder, FractureInput input,
   const SourceMesh& source = input.source;
   GrownFracture grown = grownFrom(input, options, device, progress);
   const FractureWriter writer(source, write);
+  StageClock clock(std::move(grown.result.times));
+  if (options.surface.meshes) settle(grown, options.surface, progress);
+  clock.done("extract");
   FractureResult result = std::move(grown.result);
   result.fragments.resize(static_cast<std::size_t>(result.labels.fragmentCount));
   const FractureFiles files =
       fileNames(source, result.kept(), options.surface.triangles, writer.materials(), write);
-  StageClock clock(std::move(result.times));
   FractureReplacement replacement(folder, files.all());
   replacement.write([&](const fs::path& staged) {
     const CopiedFiles kept = copiedFiles(input, options, write, writer, result);

@@ -20,7 +20,9 @@
 #include "seed/leaf_densities.h"
 #include "seed/split_impacts.h"
 #include "seed/wall.h"
+#include "surface/exact_meshes.h"
 #include "surface/extract.h"
+#include "surface/settled_labels.h"
 #include "surface/smooth.h"
 #include "voxelize/region.h"
 #include "voxelize/wall_middles.h"
@@ -426,6 +428,25 @@ std::shared_ptr<const FragmentSurfaces> surfacesOf(const GrownFracture& grown,
 
 }  // namespace
 
+void settle(GrownFracture& grown, const SurfaceOptions& options, const Progress* progress) {
+  FractureResult& result = grown.result;
+  const bool isExact = surfaceOf(options) == Surface::exact &&
+                       (options.surface == Surface::exact || result.solid.mesh != nullptr);
+  if (!isExact || grown.exact) return;
+  checkSurfaceOptions(options);
+  reportProgress(progress, "extract", 0.0);
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(result.solid.blocks->origins);
+  const Labels* const uneroded = grown.unerodedOrNull();
+  if (grown.isSettled) {
+    grown.exact = exactMeshes(result.solid, result.labels, uneroded, neighborhoods,
+                              options.adaptivity, progress);
+  } else {
+    grown.exact = settledExactMeshes(result.solid, result.labels, uneroded, neighborhoods,
+                                     options.adaptivity, progress);
+  }
+  grown.isSettled = true;
+}
+
 void measureFragments(const GrownFracture& grown, FractureResult& result,
                       const Progress* progress) {
   reportProgress(progress, "extract", 0.0);
@@ -442,6 +463,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
   if (options.surface.meshes) {
     SurfaceOptions surface = options.surface;
     if (surfaceOf(options) == Surface::smooth) surface.surface = Surface::smooth;
+    settle(grown, surface, progress);
     ExtractedFragments all =
         extractAll(result.solid, result.labels, grown.extractOptions(surface), progress);
     result.fragments = std::move(all.fragments);

@@ -60,13 +60,14 @@ struct GrownFracture {
   FractureResult result;           ///< all but fragments
   std::optional<Labels> uneroded;  ///< the labels before erosion, if any
   std::shared_ptr<const IntactSurface> surface{};
-  std::optional<ExactSurface> exact{};  ///< of refracture, with Surface::exact
+  std::optional<ExactSurface> exact{};  ///< of refracture or settle(), with Surface::exact
+  bool isSettled = false;               ///< the labels are final
   std::uint64_t seed = 0;               ///< of the fracture
 
   [[nodiscard]] const Labels* unerodedOrNull() const { return uneroded ? &*uneroded : nullptr; }
 
-  /// What extraction needs beside the solid and its labels.
-  [[nodiscard]] ExtractOptions extractOptions(const SurfaceOptions& options) const {
+  /// What extraction needs beside the solid and its labels; it takes `exact`.
+  [[nodiscard]] ExtractOptions extractOptions(const SurfaceOptions& options) {
     return {.surface = options,
             .uneroded = unerodedOrNull(),
             .intact = surface,
@@ -95,6 +96,10 @@ struct GrownFracture {
 [[nodiscard]] GrownFracture regrown(const FinishedFracture& finished, std::span<const int> only,
                                     const FractureOptions& options, Device& device,
                                     const Progress* progress);
+
+/// Cuts exact surfaces if the options ask for them and they are not there yet.  The first time
+/// labels may give way to their meshes (settledExactMeshes).
+void settle(GrownFracture& grown, const SurfaceOptions& options, const Progress* progress);
 
 /// Sets the surfaces and the fragments without meshes.
 void measureFragments(const GrownFracture& grown, FractureResult& result, const Progress* progress);

@@ -135,16 +135,18 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
     SeededLabels grown = breakFragment(fragment, id, options, walls, device, progress);
     guided.add(grown);
     std::vector<std::uint16_t> own = ids.of(id, fragmentsOf(grown.seeds));
-    fragment.blocks->forEachInside([&](std::size_t voxelIndex) {
-      result.labels.fragment[voxelIndex] = own[grown.labels.fragment[voxelIndex]];
-    });
     for (Seed seed : grown.seeds) {
       seed.fragment = own[seed.fragment];
       result.seeds.push_back(seed);
     }
-    if (isExact) {
-      parts.push_back({id, std::move(own), std::move(fragment), std::move(grown.labels)});
-    }
+    clock.done("grow");
+    BrokenFragment part{id, std::move(own), std::move(fragment), std::move(grown.labels)};
+    if (isExact) cutAgain(finished, part, options.surface.adaptivity, progress);
+    clock.done("extract");
+    part.solid.blocks->forEachInside([&](std::size_t voxelIndex) {
+      result.labels.fragment[voxelIndex] = part.ids[part.labels.fragment[voxelIndex]];
+    });
+    if (isExact) parts.push_back(std::move(part));
   }
   result.parents = std::move(ids).parents();
   result.broken.assign(broken.begin(), broken.end());
@@ -155,8 +157,7 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
   result.eroded.assign(result.parents.size() + 1, 0);
   clock.done("grow");
   if (isExact) {
-    all.exact =
-        exactMeshesAgain(finished, parts, result.labels, options.surface.adaptivity, progress);
+    all.exact = exactMeshesAgain(finished, parts, result.labels);
     clock.done("extract");
   }
   result.times = clock.times();

@@ -18,8 +18,8 @@
 #include "mesh/positions.h"
 #include "surface/body_clusters.h"
 #include "surface/exact_by_cluster.h"
-#include "surface/exact_meshes.h"
 #include "surface/label_reader.h"
+#include "surface/settled_labels.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
@@ -154,19 +154,6 @@ glm::dvec3 centroidOf(const TriangleMesh& mesh, std::size_t t) {
   return (mesh.vertices[corner.x] + mesh.vertices[corner.y] + mesh.vertices[corner.z]) / 3.0;
 }
 
-// The meshes of a broken fragment's parts, with TriangleMesh::source in finished.faces.
-ExactSurface cutAgain(const FinishedFracture& finished, const BrokenFragment& broken,
-                      double adaptivity, const Progress* progress) {
-  auto mesh = std::make_shared<const SolidMesh>(meshOf(finished, broken.id));
-  if (mesh->mesh.triangles.empty()) return {.failure = "it has no mesh"};
-  Solid solid = broken.solid;
-  solid.report.fill = Fill::winding;
-  solid.report.defects.components = meshComponents(mesh->mesh).count;
-  solid.mesh = std::move(mesh);
-  return exactMeshes(solid, broken.labels, nullptr, leafNeighbors(solid.blocks->origins),
-                     adaptivity, progress);
-}
-
 // Returns TriangleMesh::source of a face, or of a part of one.
 std::uint32_t sourceOf(const FinishedFracture& finished, std::size_t face, std::uint16_t neighbor) {
   if (neighbor != 0 || face >= finished.sourceOf.size()) return TriangleMesh::kNoSource;
@@ -251,9 +238,24 @@ void setExteriorBand(LeafBlocks& blocks) {
   }
 }
 
-ExactSurface exactMeshesAgain(const FinishedFracture& finished,
-                              std::span<const BrokenFragment> broken, const Labels& labels,
-                              double adaptivity, const Progress* progress) {
+void cutAgain(const FinishedFracture& finished, BrokenFragment& broken, double adaptivity,
+              const Progress* progress) {
+  auto mesh = std::make_shared<const SolidMesh>(meshOf(finished, broken.id));
+  if (mesh->mesh.triangles.empty()) {
+    broken.surface.failure = "it has no mesh";
+    return;
+  }
+  Solid solid = broken.solid;
+  solid.report.fill = Fill::winding;
+  solid.report.defects.components = meshComponents(mesh->mesh).count;
+  solid.mesh = std::move(mesh);
+  const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks->origins);
+  broken.surface =
+      settledExactMeshes(solid, broken.labels, nullptr, neighborhoods, adaptivity, progress);
+}
+
+ExactSurface exactMeshesAgain(const FinishedFracture& finished, std::span<BrokenFragment> broken,
+                              const Labels& labels) {
   if (finished.firstFace.empty()) {
     return {.failure = "the fracture was written without meshes whose neighbors are known"};
   }
@@ -267,8 +269,8 @@ ExactSurface exactMeshesAgain(const FinishedFracture& finished,
     if (isKept[at]) all.meshes[at - 1] = keptMesh(finished, id, neighbors);
   }
   std::vector<Failed> failed;
-  for (const BrokenFragment& one : broken) {
-    ExactSurface parts = cutAgain(finished, one, adaptivity, progress);
+  for (BrokenFragment& one : broken) {
+    ExactSurface parts = std::move(one.surface);
     if (parts.failure.empty() && !parts.smooth.empty()) parts.failure = parts.smooth.front().reason;
     if (!parts.failure.empty()) {
       failed.push_back({one.ids[1], "fragment " + std::to_string(one.id) + ": " + parts.failure});

@@ -17,21 +17,26 @@ struct BrokenFragment {
   std::vector<std::uint16_t> ids{};  ///< [parts + 1] those of its parts, [0] is 0
   Solid solid;                       ///< of the fragment alone, with an exterior band
   Labels labels;                     ///< of its parts, 1, 2, ...
+  ExactSurface surface{};            ///< of its parts, by cutAgain()
 };
 
 /// Sets the exterior band to the voxels of the blocks' leaves that are not inside, and at most
 /// kHalfWidthVoxels steps over faces and edges away from one that is.
 void setExteriorBand(LeafBlocks& blocks);
 
+/// Cuts the mesh of a broken fragment, to whose parts' meshes their labels may give way
+/// (settledExactMeshes).
+///   adaptivity  SurfaceOptions::adaptivity
+void cutAgain(const FinishedFracture& finished, BrokenFragment& broken, double adaptivity,
+              const Progress* progress);
+
 /// Returns the meshes of all new fragments: the faces of those that were kept, and the faces of the
 /// broken ones, cut.  TriangleMesh::source is an index in the mesh of
 /// `finished.source`.
+///   broken  cut; its surfaces are taken
 ///   labels  of all new fragments; those that were kept have the ids of before
-///   adaptivity  SurfaceOptions::adaptivity
 ///   return  a failure where a mesh is missing, open, or can't be cut
 [[nodiscard]] ExactSurface exactMeshesAgain(const FinishedFracture& finished,
-                                            std::span<const BrokenFragment> broken,
-                                            const Labels& labels, double adaptivity,
-                                            const Progress* progress);
+                                            std::span<BrokenFragment> broken, const Labels& labels);
 
 }  // namespace sherd

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -53,6 +54,7 @@ class Assembled {
     united.closed.faces += surface.united.closed.faces;
     united.closed.area += surface.united.closed.area;
     united.loose += surface.united.loose;
+    std::move(surface.moved.begin(), surface.moved.end(), std::back_inserter(all_.moved));
     for (const std::uint16_t label : cluster.fragments) {
       all_.meshes[label - 1u] = std::move(surface.meshes[label - 1u]);
     }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <iterator>
 #include <memory>
 
 #include "exact/unite.h"
@@ -195,6 +196,7 @@ ExactSurface cutLayers(const Solid& solid, const Labels& labels, const Bodies& b
         progress);
     if (!surface.failure.empty()) return surface;
     setSources(surface, own.source);
+    std::move(surface.moved.begin(), surface.moved.end(), std::back_inserter(all.moved));
     addLayer(std::move(surface.meshes), all.meshes);
   }
   setPositions(all.meshes);

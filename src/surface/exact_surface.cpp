@@ -260,7 +260,7 @@ class Assembly {
       if (islands.empty()) return result;
       isOneByOne = isOneByOne || islands.size() >= before;
       before = islands.size();
-      giveAway(isOneByOne ? apart(std::move(islands)) : std::move(islands));
+      giveAway(isOneByOne ? apart(std::move(islands)) : std::move(islands), result.moved);
     }
   }
 
@@ -286,13 +286,13 @@ class Assembly {
 
   // A component of a fragment's mesh that another fragment gets.
   struct Island {
-    std::uint16_t heir = 0;
+    std::uint16_t from = 0, heir = 0;
     std::vector<Face> faces;
   };
 
-  // A fragment's voxels are connected, so that components of its mesh beside the largest hold
-  // hardly a voxel: slivers where a crack grazes the surface.  They go to the fragment that they
-  // touch most.
+  // A fragment's voxels are connected, so that components of its mesh beside the largest are mostly
+  // slivers where a crack grazes the surface, and else what less than a voxel connects.  They go to
+  // the fragment that they touch most.
   static std::vector<Island> islandsOf(const std::vector<LabeledMesh>& meshes,
                                        const std::vector<std::vector<Face>>& faces) {
     std::vector<Island> islands;
@@ -322,7 +322,7 @@ class Assembly {
         islandOf[k] = islands.size();
         const auto most = std::max_element(contacts[k].begin(), contacts[k].end(),
                                            [](auto& a, auto& b) { return a.second < b.second; });
-        islands.push_back({most->first, {}});
+        islands.push_back({static_cast<std::uint16_t>(i + 1), most->first, {}});
       }
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const std::size_t island = islandOf[components.ofTriangle[t]];
@@ -351,8 +351,9 @@ class Assembly {
     return found;
   }
 
-  void giveAway(const std::vector<Island>& islands) {
+  void giveAway(const std::vector<Island>& islands, std::vector<MovedBody>& moved) {
     for (const Island& island : islands) {
+      moved.push_back({island.from, island.heir, meshOf(island.faces).mesh});
       for (const Face& face : island.faces) {
         if (face.neighbor == 0) {
           label_[face.part] = island.heir;

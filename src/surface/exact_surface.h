@@ -15,6 +15,12 @@
 
 namespace sherd {
 
+/// A body of a fragment that another one got, as a fragment is one body.
+struct MovedBody {
+  std::uint16_t from = 0, to = 0;  ///< ids
+  TriangleMesh body{};             ///< closed, world space
+};
+
 /// The meshes of all fragments, or why there are none.
 struct ExactSurface {
   std::vector<LabeledMesh> meshes{};   ///< [fragments] by id, with TriangleMesh::source by the
@@ -24,6 +30,7 @@ struct ExactSurface {
   std::vector<SmoothBodies> smooth{};  ///< whose fragments have no meshes, as others could be cut
   bool isDegenerate = false;           ///< cracks that are displaced a little may succeed
   UnitedBodies united{};               ///< what was cut, if it is not the input's mesh
+  std::vector<MovedBody> moved{};  ///< one after the other: those of later ones may hold earlier
 };
 
 /// What is known of points away from the cracks.

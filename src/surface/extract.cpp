@@ -131,7 +131,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
           std::make_shared<CutSolid>(solid, labels, options.intact, extentFor(surface_), progress)),
       leaves_(leavesOf(cut_->cut(), count_)) {
   if (surface_.surface == Surface::exact) {
-    makeExact(options.exact ? *options.exact
+    makeExact(options.exact ? std::move(*options.exact)
                             : exactMeshes(solid_, labels_, uneroded_, cut_->neighborhoods(),
                                           surface_.adaptivity, progress_));
     if (surface_.surface == Surface::smooth) cutAnew();

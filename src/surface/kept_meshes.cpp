@@ -161,6 +161,7 @@ void setNeighbors(const ClosedSolid& part, std::vector<LabeledMesh>& meshes,
 // Adds the meshes of a layer, and what was cut.
 void append(ExactSurface layer, const SolidMesh& own, ExactSurface& all, SolidMesh& whole) {
   addLayer(std::move(layer.meshes), all.meshes);
+  std::move(layer.moved.begin(), layer.moved.end(), std::back_inserter(all.moved));
   const SolidMesh& cut = layer.united.mesh ? *layer.united.mesh : own;
   const auto first = static_cast<std::uint32_t>(whole.mesh.vertices.size());
   whole.mesh.vertices.insert(whole.mesh.vertices.end(), cut.mesh.vertices.begin(),

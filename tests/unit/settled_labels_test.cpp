@@ -1,0 +1,96 @@
+// Labels that follow exact meshes where voxels connect what the mesh parts.
+#include <gtest/gtest.h>
+#include <sherd/device.h>
+#include <sherd/folder.h>
+#include <sherd/fracture.h>
+#include <sherd/solid.h>
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <set>
+#include <vector>
+
+#include "mesh/triangle_tree.h"
+#include "shapes.h"
+#include "voxelize/leaf_blocks.h"
+
+namespace sherd {
+namespace {
+
+TriangleMesh barFrom(const glm::dvec3& low, const glm::dvec3& high) {
+  TriangleMesh bar = shapes::box(high - low);
+  for (glm::dvec3& v : bar.vertices) v += (low + high) / 2.0;
+  return bar;
+}
+
+// A fork with two prongs, 4 high; the slot between them is 0.4 voxels wide at 40 voxels a side.
+TriangleMesh fork() {
+  const double half = 0.02;
+  const TriangleMesh handle = barFrom({-1.0, 0.0, -0.5}, {1.0, 1.0, 0.5});
+  return shapes::append(shapes::append(handle, barFrom({-1.0, 0.5, -0.5}, {-half, 4.0, 0.5})),
+                        barFrom({half, 0.5, -0.5}, {1.0, 4.0, 0.5}));
+}
+
+// One fragment is the handle with half of the prongs; the voxels of the other's prongs touch.
+FractureResult brokenFork(Device& device) {
+  FractureOptions options;
+  options.solid.resolution = 40;
+  options.seeds.given = GivenSeeds{"", {{{-0.5, 1.0, 0.0}, 1}, {{-0.5, 3.0, 0.0}, 2}}};
+  options.surface = {.levelSets = false, .surface = Surface::exact};
+  return fracture(fork(), options, device);
+}
+
+// Expects nearly all voxels' centers within the meshes of their fragments, of one body each.
+void expectAgree(const FractureResult& result) {
+  ASSERT_EQ(result.exactFailure, "");
+  const LeafBlocks& blocks = *result.labels.blocks;
+  std::vector<TriangleTree> trees;
+  for (const Fragment& fragment : result.fragments) {
+    EXPECT_EQ(meshComponents(fragment.mesh).count, 1u);
+    trees.emplace_back(fragment.mesh);
+  }
+  std::vector<std::size_t> all(trees.size()), within(trees.size());
+  blocks.forEachInside([&](std::size_t voxel) {
+    const std::size_t own = result.labels.fragment[voxel] - 1u;
+    const openvdb::Coord at = blocks.voxelAt(voxel);
+    const glm::dvec3 center = result.solid.frame.worldFromIndex(glm::dvec3(at.x(), at.y(), at.z()));
+    ++all[own];
+    within[own] += trees[own].winding(center) >= 0.5;
+  });
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    EXPECT_EQ(all[i], result.fragments[i].voxels);
+    EXPECT_GT(within[i], 0.95 * static_cast<double>(all[i])) << "fragment " << i + 1;
+  }
+}
+
+TEST(SettledLabels, GoWithTheBodiesThatAFragmentLoses) {
+  Device device("builtin");
+  const FractureResult result = brokenFork(device);
+  ASSERT_EQ(result.fragments.size(), 2u);
+  expectAgree(result);
+  // The end of one prong went to the handle.
+  EXPECT_NEAR(result.fragments[1].mass.volume, 0.98 * 2.0, 0.05);
+}
+
+TEST(SettledLabels, AreThoseOfFragmentsThatAreBrokenAgain) {
+  Device device("builtin");
+  FractureOptions whole;
+  whole.pieces = 1;
+  whole.solid.resolution = 40;
+  whole.surface.surface = Surface::exact;
+  SourceMesh source;
+  source.mesh = fork();
+  source.name = "fork";
+  const FractureResult first = fracture(source.mesh, whole, device);
+  ASSERT_EQ(first.exactFailure, "");
+  FractureOptions again = whole;
+  again.pieces = 2;
+  again.seeds.given = GivenSeeds{"", {{{-0.5, 1.0, 0.0}, 1}, {{-0.5, 3.0, 0.0}, 2}}};
+  const FinishedFracture finished = finishedFracture(source, whole, first, {});
+  const FractureResult result = refracture(finished, std::vector{1}, again, device);
+  ASSERT_EQ(result.fragments.size(), 2u);
+  expectAgree(result);
+}
+
+}  // namespace
+}  // namespace sherd
