@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "cl/device_found.h"
 #include "cl/device_impl.h"
-#include "cl/device_search.h"
 
 namespace sherd {
 

@@ -3,26 +3,12 @@
 
 #include <sherd/device.h>
 
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "cl/device_impl.h"
+#include "cl/device_found.h"
 
 namespace sherd {
-
-/// A device that can be opened.
-struct DeviceFound : DeviceState {
-  std::function<std::unique_ptr<DeviceImpl>()> open;
-};
-
-struct PlatformFound {
-  std::string name;
-  std::string version;
-  std::string fault;  ///< why it has no device
-  std::vector<DeviceFound> devices;
-};
 
 /// The built-in device, once per set of instructions that kernels are compiled for, the best first.
 [[nodiscard]] PlatformFound builtinPlatform();

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "exact/cut_mesh.h"
+#include "exact/mesh_cut.h"
 #include "exact/triangle_pair.h"
 
 namespace sherd {

@@ -4,8 +4,8 @@
 #include <array>
 #include <glm/vec3.hpp>
 
-#include "exact/crossing_point.h"
 #include "exact/dyadic.h"
+#include "exact/exact_point.h"
 
 namespace sherd {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "exact/crossing_point.h"
-#include "exact/cut_mesh.h"
+#include "exact/mesh_cut.h"
 #include "exact/triangle_pair.h"
 
 namespace sherd {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "exact/triangulate.h"
+#include "exact/triangle_point.h"
 
 namespace sherd {
 

@@ -6,7 +6,8 @@
 
 #include <vector>
 
-#include "grow/shares.h"
+#include "grow/least_share.h"
+#include "grow/seeded_labels.h"
 
 namespace sherd {
 

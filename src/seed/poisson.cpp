@@ -7,6 +7,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/random.h"
+#include "seed/draws.h"
 
 namespace sherd {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "seed/samplers.h"
+#include "seed/candidates.h"
 
 namespace sherd {
 

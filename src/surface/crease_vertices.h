@@ -3,8 +3,9 @@
 
 #include <vector>
 
-#include "surface/creases.h"
+#include "surface/crease_vertex.h"
 #include "surface/field.h"
+#include "surface/input_crossings.h"
 
 namespace sherd {
 

@@ -5,27 +5,15 @@
 #include <sherd/solid.h>
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
 #include "surface/cell.h"
+#include "surface/crease_vertex.h"
 #include "surface/input_crossings.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {
-
-/// The vertex of a cell in which the distances are not those to one plane.
-struct CreaseVertex {
-  std::uint16_t offset = 0;  ///< of the cell in its leaf
-  std::uint16_t edges = 0;   ///< bits of the cell's edges whose crossings it is of
-  std::uint8_t rank = 1;     ///< 1 on a smooth part of the input, 2 on a crease, 3 at a corner
-  bool isForced = false;     ///< its planes do not meet in the cell, or not on the input, as where
-                             ///< creases are less than a voxel apart, or at a small angle; its
-                             ///< triangles are checked
-  glm::dvec3 at{0.0};        ///< 0..1 along each axis in the cell, up to kMostOutside beyond it
-  glm::dvec3 inCell{0.0};    ///< the same within the cell
-};
 
 /// Whether Creases keep the crossings that they are made of.
 enum class KeepCrossings { no, yes };
@@ -84,8 +72,5 @@ class CreasesOfLeaf {
  private:
   std::span<const CreaseVertex> left_;
 };
-
-/// Returns bits of the edges of a position.
-[[nodiscard]] std::uint16_t edgesOf(const CellSheets& sheets, unsigned position);
 
 }  // namespace sherd

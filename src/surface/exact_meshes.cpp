@@ -289,7 +289,13 @@ ExactSurface exactMeshes(const Solid& solid, const Labels& labels, const Labels*
   if (std::string obstacle = obstacleOf(solid); !obstacle.empty()) {
     return {.failure = std::move(obstacle)};
   }
-  if (!solid.mesh->body.empty()) return keptMeshes(solid, labels, adaptivity, progress);
+  if (!solid.mesh->body.empty()) {
+    const auto cut = [&](const ClosedSolid& layer) {
+      return exactMeshes(layer.solid, layer.labels, nullptr,
+                         leafNeighbors(layer.labels.blocks->origins), adaptivity, progress);
+    };
+    return keptMeshes(solid, labels, cut, progress);
+  }
   ExactSurface surface = cutTogether(solid, labels, neighborhoods, adaptivity, progress);
   if (!surface.failure.empty()) {
     const auto cut = [&](const ClusterSolid& part) {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "surface/site_cut.h"
+#include "surface/leaf_cut.h"
 
 namespace sherd {
 

@@ -8,8 +8,8 @@
 #include <glm/common.hpp>
 
 #include "mesh/triangle_area.h"
+#include "surface/flat_input.h"
 #include "surface/intact_labels.h"
-#include "surface/simplify.h"
 #include "voxelize/leaf_blocks.h"
 
 namespace sherd {

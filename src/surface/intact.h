@@ -65,7 +65,7 @@ struct IntactSurface {
   std::vector<LeafNeighbors> neighborhoods;  ///< of the solid's leaves
   glm::dvec3 reference{0.0};                 ///< middleOf the solid
   Creases creases;
-  bool isPiecewiseFlat = false;  ///< see simplify.h
+  bool isPiecewiseFlat = false;  ///< see flat_input.h
   std::vector<IntactLeaf> leaves;
 
   /// Returns the corners of a leaf's triangle, world units.

@@ -17,7 +17,6 @@
 #include "mesh/positions.h"
 #include "surface/closed_solid.h"
 #include "surface/contacts.h"
-#include "surface/exact_meshes.h"
 #include "surface/layer.h"
 #include "surface/vertex_numbers.h"
 #include "voxelize/leaf_blocks.h"
@@ -175,7 +174,8 @@ void append(ExactSurface layer, const SolidMesh& own, ExactSurface& all, SolidMe
 
 }  // namespace
 
-ExactSurface keptMeshes(const Solid& solid, const Labels& labels, double adaptivity,
+ExactSurface keptMeshes(const Solid& solid, const Labels& labels,
+                        const std::function<ExactSurface(const ClosedSolid&)>& cut,
                         const Progress* progress) {
   KeptBodies bodies = bodiesIn(solid);
   findVoxels(*solid.blocks, labels, bodies);
@@ -189,9 +189,7 @@ ExactSurface keptMeshes(const Solid& solid, const Labels& labels, double adaptiv
     ClosedSolid part = layerOf(solid, labels, layer);
     part = closedSolid(part.solid, part.labels, own->mesh, progress, Extension::cells);
     part.solid.mesh = own;
-    ExactSurface surface =
-        exactMeshes(part.solid, part.labels, nullptr, leafNeighbors(part.labels.blocks->origins),
-                    adaptivity, progress);
+    ExactSurface surface = cut(part);
     if (!surface.failure.empty()) return surface;
     // Smooth surfaces are those of all voxels, which bodies share.
     if (!surface.smooth.empty()) return {.failure = std::move(surface.smooth.front().reason)};

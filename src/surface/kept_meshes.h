@@ -5,6 +5,9 @@
 #include <sherd/progress.h>
 #include <sherd/solid.h>
 
+#include <functional>
+
+#include "surface/closed_solid.h"
 #include "surface/exact_surface.h"
 
 namespace sherd {
@@ -14,8 +17,10 @@ namespace sherd {
 /// Bodies without voxels are left out.  Where cracks are eroded, faces have neighbors of their
 /// body.
 ///   solid   its mesh has bodies, see SolidMesh::body
+///   cut     what exactMeshes does with the bodies of one layer
 ///   throws  Error(cancelled)
-[[nodiscard]] ExactSurface keptMeshes(const Solid& solid, const Labels& labels, double adaptivity,
-                                      const Progress* progress = nullptr);
+[[nodiscard]] ExactSurface keptMeshes(const Solid& solid, const Labels& labels,
+                                      const std::function<ExactSurface(const ClosedSolid&)>& cut,
+                                      const Progress* progress);
 
 }  // namespace sherd

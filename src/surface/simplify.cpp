@@ -5,19 +5,13 @@
 #include <glm/common.hpp>
 #include <utility>
 
-#include "mesh/flat_share.h"
 #include "surface/decimate.h"
+#include "surface/flat_input.h"
 #include "surface/intact.h"
 #include "surface/merge_facets.h"
-#include "voxelize/region.h"
 
 namespace sherd {
 namespace {
-
-// The share of its input's surface that is flat in a piecewise flat solid, at a scale of voxels,
-// and of the solid: at a high resolution every triangle of a scan is flat.
-constexpr double kLeastFlat = 0.5;
-constexpr double kFlatVoxels = 0.5, kFlatShareOfSide = 0.002;
 
 // Facets of the original surface are planes of the input, and come out as exactly as numbers are
 // rounded, however small, but for single vertices beside creases and cracks, which move back onto
@@ -60,13 +54,6 @@ std::vector<LabeledMesh> mergedPlanes(Complex complex, const GridFrame& frame,
 }
 
 }  // namespace
-
-bool isPiecewiseFlat(const Solid& solid) {
-  const TriangleTree* const input = solid.region ? solid.region->boundary() : nullptr;
-  if (input == nullptr || !solid.hasLinearAttributes) return false;
-  const double reach = std::max(kFlatVoxels, kFlatShareOfSide * solid.box.longestSide());
-  return flatShare(*input, reach) >= kLeastFlat;
-}
 
 Simplification simplificationOf(const SurfaceOptions& options, const Solid& solid,
                                 const IntactSurface* intact) {

@@ -17,11 +17,6 @@ struct Simplification {
   [[nodiscard]] bool isAny() const { return mergesPlanes || error > 0.0; }
 };
 
-/// Returns whether most of a solid's input is flat as far as its voxels can show it, so that
-/// kAutoAdaptivity merges triangles: not those of volumes and shells, and not where the input's
-/// texture coordinates or colors are not linear in its planes.
-[[nodiscard]] bool isPiecewiseFlat(const Solid& solid);
-
 /// Returns what the adaptivity is for a solid.
 ///   intact  of the solid, or null; affects only the speed
 [[nodiscard]] Simplification simplificationOf(const SurfaceOptions& options, const Solid& solid,

@@ -3,24 +3,17 @@
 
 #include <sherd/labels.h>
 
-#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "surface/leaf_labels.h"
+#include "surface/leaf_cut.h"
 #include "voxel_metric.h"
 #include "voxelize/wall_middles.h"
 
 namespace sherd {
-
-constexpr int kCutHalo = 2;  ///< voxels around a leaf that its cut depends on
-constexpr int kCutSide = 8 + 2 * kCutHalo;
-
-/// Labels of a leaf and of the voxels around it, z fastest.
-using CutHalo = LabelCube<kCutSide>;
 
 /// The seeds of each fragment, in the metric of growth.
 class Sites {
@@ -57,17 +50,6 @@ class Sites {
   std::vector<std::uint32_t> first_;  // [ids+2] into sites_, or empty
   std::vector<Site> sites_;
   std::shared_ptr<const WallMiddles> walls_;
-};
-
-/// A bit for each voxel of a leaf: [x*8+y] bit z.
-using VoxelBits = std::array<std::uint8_t, 64>;
-
-/// The cut of a leaf where its labels are those of the nearest sites.
-struct SiteCut {
-  VoxelBits holds{};  ///< of the requested voxels: all inside voxels up to two away belong to
-                      ///< their nearest site, so the distances are valid
-  std::vector<float> distance;  ///< [fragments*512] voxels to the plane, within -3..3; 3 where not
-                                ///< requested
 };
 
 /// Operation counts, to test that the cost is linear.

@@ -41,9 +41,9 @@ std::shared_ptr<const Solid> CanonicalSolid::made(const Progress* progress) cons
   options.voxelSize = 0.0;
   options.keepMesh = options.keepSeams = false;
   try {
-    Solid solid = voxelizeAlone(mesh_, options, &part);
+    Solid solid = voxelizeAlone(mesh_, options, 1.0, &part);
     options.resolution = resolutionFor(solid.report.walls);
-    if (options.resolution != kResolution) solid = voxelizeAlone(mesh_, options, &part);
+    if (options.resolution != kResolution) solid = voxelizeAlone(mesh_, options, 1.0, &part);
     return std::make_shared<const Solid>(std::move(solid));
   } catch (const Error& e) {
     if (e.code() != ErrorCode::input) throw;
@@ -71,6 +71,19 @@ std::shared_ptr<const Solid> CanonicalSolid::otherThan(const Solid& solid,
 std::shared_ptr<const Solid> canonicalOf(const Solid& solid, const Progress* progress) {
   if (!solid.region || !solid.region->canonical()) return nullptr;
   return solid.region->canonical()->otherThan(solid, progress);
+}
+
+Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, double workShare,
+                     const Progress* progress) {
+  Solid solid = voxelizeAlone(source, options, workShare, progress);
+  SolidRegion region = *solid.region;
+  region.setCanonical(std::make_shared<CanonicalSolid>(source, options));
+  solid.region = std::make_shared<const SolidRegion>(std::move(region));
+  return solid;
+}
+
+Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
+  return voxelizeWithin(source, options, 1.0, progress);
 }
 
 }  // namespace sherd

@@ -42,6 +42,11 @@ class CanonicalSolid {
 [[nodiscard]] std::shared_ptr<const Solid> canonicalOf(const Solid& solid,
                                                        const Progress* progress);
 
+/// As voxelize(), but an open mesh that `options` leave to Fill::automatic is made a shell after a
+/// share of the usual work.
+[[nodiscard]] Solid voxelizeWithin(const TriangleMesh& mesh, const SolidOptions& options,
+                                   double workShare, const Progress* progress = nullptr);
+
 /// Positions in the voxels of one solid, in those of another of the same mesh.
 struct VoxelScale {
   double ratio = 1.0;  ///< of the sizes of their voxels

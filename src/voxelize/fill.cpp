@@ -107,13 +107,6 @@ Filling windingOf(const SearchedMesh& mesh, const FillChoice& choice, const Soli
 
 }  // namespace
 
-SearchedMesh searched(TriangleMesh mesh) {
-  SearchedMesh out{std::move(mesh), {}, nullptr};
-  out.caps = loopCaps(out.mesh);
-  out.tree = std::make_shared<TriangleTree>(out.mesh);
-  return out;
-}
-
 double enclosure(const SearchedMesh& mesh) {
   constexpr std::size_t kSamples = 1000;
   double sum = 0.0;

@@ -10,20 +10,13 @@
 #include <string>
 
 #include "mesh/triangle_tree.h"
+#include "voxelize/searched_mesh.h"
 
 namespace sherd {
 
 /// Depth of a layer at a surface, as a share of the longest side of the mesh's box: seeds of the
 /// surface, and of a shell whose thickness is in voxels, lie in it.
 inline constexpr double kSurfaceLayer = 1.0 / 256;
-
-/// A mesh with the data that several steps share.
-struct SearchedMesh {
-  TriangleMesh mesh;
-  TriangleMesh caps;                         ///< loopCaps(mesh)
-  std::shared_ptr<const TriangleTree> tree;  ///< of `mesh`
-};
-[[nodiscard]] SearchedMesh searched(TriangleMesh mesh);
 
 /// A surface, and the classification of voxel centers as inside or outside.  All in index space.
 struct Filling {

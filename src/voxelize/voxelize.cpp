@@ -18,7 +18,6 @@
 #include "mesh/seams.h"
 #include "voxelize/body_layers.h"
 #include "voxelize/bridges.h"
-#include "voxelize/canonical_solid.h"
 #include "voxelize/distance.h"
 #include "voxelize/fill.h"
 #include "voxelize/kept_bodies.h"
@@ -219,13 +218,9 @@ FloatGridPtr levelSetIn(const TriangleMesh& mesh, const GridFrame& frame,
   return levelSetOf(fillingOf(choice, clean, own, {}, frame.voxelSize, progress), frame, progress);
 }
 
-Solid voxelize(const TriangleMesh& source, const SolidOptions& options, const Progress* progress) {
-  return voxelizeWithin(source, options, 1.0, progress);
-}
-
 namespace {
 
-// As voxelizeWithin, of a mesh whose bodies share no vertices if they are kept.
+// As voxelizeAlone, of a mesh whose bodies share no vertices if they are kept.
 Solid voxelizeApart(const TriangleMesh& source, const SolidOptions& options, double workShare,
                     const Progress* progress) {
   SolidOptions first = options;
@@ -285,31 +280,15 @@ Solid voxelizeApart(const TriangleMesh& source, const SolidOptions& options, dou
 
 }  // namespace
 
-namespace {
+namespace {}  // namespace
 
-Solid voxelizeWithout(const TriangleMesh& source, const SolidOptions& options, double workShare,
-                      const Progress* progress) {
+Solid voxelizeAlone(const TriangleMesh& source, const SolidOptions& options, double workShare,
+                    const Progress* progress) {
   reportProgress(progress, "voxelize", 0.0);
   if (options.bodies == MeetingBodies::unite) {
     return voxelizeApart(source, options, workShare, progress);
   }
   return voxelizeApart(withBodiesApart(source, options.objects), options, workShare, progress);
-}
-
-}  // namespace
-
-Solid voxelizeWithin(const TriangleMesh& source, const SolidOptions& options, double workShare,
-                     const Progress* progress) {
-  Solid solid = voxelizeWithout(source, options, workShare, progress);
-  SolidRegion region = *solid.region;
-  region.setCanonical(std::make_shared<CanonicalSolid>(source, options));
-  solid.region = std::make_shared<const SolidRegion>(std::move(region));
-  return solid;
-}
-
-Solid voxelizeAlone(const TriangleMesh& source, const SolidOptions& options,
-                    const Progress* progress) {
-  return voxelizeWithout(source, options, 1.0, progress);
 }
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Voxelization within a limit of work.
+// Voxelization of a mesh alone.
 #pragma once
 
 #include <sherd/solid.h>
@@ -7,14 +7,11 @@
 
 namespace sherd {
 
-/// As voxelize(), but an open mesh that `options` leave to Fill::automatic is made a shell after a
-/// share of the usual work.
-[[nodiscard]] Solid voxelizeWithin(const TriangleMesh& mesh, const SolidOptions& options,
-                                   double workShare, const Progress* progress = nullptr);
-
 /// As voxelize(), without the solid on which cracks are decided: it has no region beyond its own.
+///   workShare  an open mesh that `options` leave to Fill::automatic is made a shell after this
+///              share of the usual work
 [[nodiscard]] Solid voxelizeAlone(const TriangleMesh& mesh, const SolidOptions& options,
-                                  const Progress* progress);
+                                  double workShare, const Progress* progress);
 
 /// Returns the level set of what a mesh encloses, by its winding number, in a given grid.
 [[nodiscard]] std::shared_ptr<openvdb::FloatGrid> levelSetIn(const TriangleMesh& mesh,

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <sherd/mesh.h>
+#include <sherd/solid.h>
 
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "voxelize/fill.h"
+#include "voxelize/searched_mesh.h"
 
 namespace sherd {
 

@@ -34,11 +34,11 @@
 #include "seed/samplers.h"
 #include "shapes.h"
 #include "voxelize/band.h"
+#include "voxelize/canonical_solid.h"
 #include "voxelize/caps.h"
 #include "voxelize/distance.h"
 #include "voxelize/exposed.h"
 #include "voxelize/holes.h"
-#include "voxelize/voxelize.h"
 
 namespace sherd {
 namespace {

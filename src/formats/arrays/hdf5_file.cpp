@@ -101,6 +101,8 @@ Id utf8Names(const Hdf5Library& library) {
 
 }  // namespace
 
+std::string hdf5Fault() { return hdf5Library().fault; }
+
 Hdf5Writer::Hdf5Writer(const std::filesystem::path& file, std::string name)
     : name_(std::move(name)) {
   const Use use(ErrorCode::output);

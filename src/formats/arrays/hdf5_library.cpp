@@ -6,8 +6,6 @@
 #include <array>
 #include <cstdlib>
 
-#include "formats/arrays/hdf5_file.h"
-
 namespace sherd {
 namespace {
 
@@ -90,7 +88,5 @@ Hdf5Library& hdf5Library() {
   }();
   return library;
 }
-
-std::string hdf5Fault() { return hdf5Library().fault; }
 
 }  // namespace sherd
