@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "exact/self_crossings.h"
+#include "intersect/self_crossings.h"
 
 namespace sherd {
 namespace {

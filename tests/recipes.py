@@ -3,7 +3,7 @@
 
     *kernels/columns.cl*, a new file:                      the block is the file
     `include/sherd/labels.h`, before `int balance = 0;`:   ... goes before the one line that has this text, or `after` it
-    `src/grow/shares.cpp`, in place of `std::ceil(`:       ... replaces the text, which is there once
+    `src/grow/sized/shares.cpp`, in place of `std::ceil(`:       ... replaces the text, which is there once
 
 usage: recipes.py DOCUMENT FOLDER    write the new files below a folder; those that are there as they are stay untouched
 """

@@ -106,7 +106,7 @@ struct SplitOptions {
                         ///< piece's long axis, degrees, 0..90
 };
 
-/// Surfaces of cracks that are given, see grow/guide_sides.h.
+/// Surfaces of cracks that are given, see grow/splits/guide_sides.h.
 class GivenCracks;
 
 /// The middle of thin walls, see voxelize/wall_middles.h.

@@ -154,7 +154,7 @@ struct GivenSeeds {
   std::vector<SeedPoint> points{};
 };
 
-/// How small pieces are at each point, see seed/density.h.
+/// How small pieces are at each point, see seed/draw/density.h.
 class DensityField;
 
 /// Where pieces are small: the number of pieces per volume is proportional to a field.

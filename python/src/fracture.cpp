@@ -17,8 +17,8 @@
 #include "points/point_sequence.h"
 #include "points/sample_surface.h"
 #include "process.h"
+#include "remesh/smooth.h"
 #include "surface/simplify.h"
-#include "surface/smooth.h"
 
 namespace pysherd {
 

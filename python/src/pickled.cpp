@@ -7,7 +7,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "base/byte_source.h"
+#include "base/files/byte_source.h"
 #include "base/memory.h"
 #include "formats/mesh/contradictions.h"
 #include "process.h"

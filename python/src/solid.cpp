@@ -14,9 +14,9 @@
 #include <memory>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
+#include "base/files/sha256.h"
 #include "base/memory.h"
-#include "base/sha256.h"
 #include "formats/mesh/merge.h"
 #include "formats/voxels/voxel_faces.h"
 #include "process.h"

@@ -1,9 +1,9 @@
 // How much memory a solid takes, and the box of its surface.
 #include <openvdb/openvdb.h>
 
-#include "seed/wall.h"
+#include "interface/intact.h"
+#include "seed/draw/wall.h"
 #include "solid.h"
-#include "surface/intact.h"
 #include "voxelize/wall_middles.h"
 
 namespace pysherd {

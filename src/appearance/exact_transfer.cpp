@@ -9,7 +9,7 @@
 
 #include "appearance/transfer.h"
 #include "appearance/weights.h"
-#include "exact/crossing_point.h"
+#include "intersect/crossing_point.h"
 #include "mesh/largest_axis.h"
 #include "mesh/vertex_normals.h"
 

@@ -19,8 +19,8 @@
 #include <unordered_set>
 
 #include "appearance/weights.h"
-#include "mesh/embree_error.h"
-#include "mesh/nearest_on_triangle.h"
+#include "mesh/search/embree_error.h"
+#include "mesh/search/nearest_on_triangle.h"
 #include "mesh/vertex_normals.h"
 
 namespace sherd {

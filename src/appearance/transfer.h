@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "mesh/charts.h"
+#include "mesh/attributes/charts.h"
 
 namespace sherd {
 

@@ -21,7 +21,7 @@
 
 #include "formats/mesh/normals.h"
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colors.h"
+#include "mesh/attributes/colors.h"
 
 namespace sherd {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 #include "chart/axis.h"
 #include "chart/svg.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 #include "chart/axis.h"
 #include "chart/panel.h"
 #include "chart/svg.h"

@@ -7,7 +7,7 @@
 #include <map>
 #include <string_view>
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 #include "chart/axis.h"
 #include "chart/panel.h"
 #include "chart/svg.h"

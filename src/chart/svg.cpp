@@ -1,7 +1,7 @@
 // Writes SVG.
 #include "chart/svg.h"
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 
 namespace sherd::chart {
 namespace {

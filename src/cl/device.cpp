@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "cl/builtin_device.h"
 #include "cl/device_impl.h"
 #include "cl/device_search.h"

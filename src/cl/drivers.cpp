@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 
 namespace sherd {
 namespace {

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "base/atomic_file.h"
-#include "base/unfinished.h"
+#include "base/files/atomic_file.h"
+#include "base/files/unfinished.h"
 
 namespace sherd {
 namespace {

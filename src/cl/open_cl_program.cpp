@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "cl/error_name.h"
 #include "cl/kernel_cache.h"
 #include "cl/kernel_sources.h"

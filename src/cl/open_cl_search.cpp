@@ -1,7 +1,7 @@
 // Discovery of OpenCL platforms and devices.  All driver differences are handled here.
 #include <algorithm>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "cl/device_search.h"
 #include "cl/error_name.h"
 #include "cl/kernel_cache.h"

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "clean/star_fans.h"
-#include "exact/crossing_point.h"
-#include "exact/self_crossings.h"
-#include "mesh/boxes.h"
+#include "intersect/crossing_point.h"
+#include "intersect/self_crossings.h"
 #include "mesh/largest_axis.h"
+#include "mesh/search/boxes.h"
 
 namespace sherd {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "clean/change.h"
 #include "clean/rounded_faults.h"
-#include "mesh/near_boxes.h"
+#include "mesh/search/near_boxes.h"
 
 namespace sherd {
 

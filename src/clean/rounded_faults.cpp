@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 
 #include "base/cancel_flag.h"
-#include "exact/crossing_point.h"
-#include "exact/self_crossings.h"
+#include "intersect/crossing_point.h"
+#include "intersect/self_crossings.h"
 
 namespace sherd {
 namespace {

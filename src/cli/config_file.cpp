@@ -8,11 +8,11 @@
 #include <string_view>
 #include <utility>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
+#include "base/files/parsed_json.h"
 #include "base/input_error.h"
-#include "base/lower_case.h"
-#include "base/option_text.h"
-#include "base/parsed_json.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_text.h"
 
 namespace sherd::cli {
 namespace {

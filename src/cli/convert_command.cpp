@@ -7,12 +7,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/json_of.h"
-#include "base/lower_case.h"
 #include "base/memory.h"
-#include "base/option_names.h"
-#include "base/option_text.h"
-#include "base/printable.h"
+#include "base/text/json_of.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_names.h"
+#include "base/text/option_text.h"
+#include "base/text/printable.h"
 #include "cli/command.h"
 #include "cli/held_files.h"
 #include "cli/interrupts.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 #include "cli/command.h"
 #include "cli/doctor.h"
 

@@ -19,7 +19,7 @@
 #include <sstream>
 #include <thread>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "cli/command.h"
 #include "cli/doctor.h"
 #include "cli/foreign_exit.h"

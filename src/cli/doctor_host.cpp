@@ -15,9 +15,9 @@
 #include <string_view>
 #include <thread>
 
-#include "base/library_versions.h"
 #include "base/memory.h"
 #include "base/memory_bounds.h"
+#include "base/text/library_versions.h"
 #include "base/version.h"
 #include "cli/cgal_checks.h"
 #include "cli/doctor.h"

@@ -1,8 +1,8 @@
 // Prints an evaluation as a table of text.
 #include <algorithm>
 
-#include "base/formatted.h"
-#include "base/printable.h"
+#include "base/text/formatted.h"
+#include "base/text/printable.h"
 #include "cli/evaluate_report.h"
 
 namespace sherd::cli {

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
 

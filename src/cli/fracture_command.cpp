@@ -18,9 +18,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/lower_case.h"
-#include "base/safe_name.h"
-#include "base/text_scan.h"
+#include "base/text/lower_case.h"
+#include "base/text/safe_name.h"
+#include "base/text/text_scan.h"
 #include "base/threads.h"
 #include "cli/command.h"
 #include "cli/config_arguments.h"

@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "base/formatted.h"
-#include "base/json_of.h"
-#include "base/lower_case.h"
-#include "base/printable.h"
-#include "base/text_scan.h"
+#include "base/text/formatted.h"
+#include "base/text/json_of.h"
+#include "base/text/lower_case.h"
+#include "base/text/printable.h"
+#include "base/text/text_scan.h"
 
 namespace sherd::cli {
 namespace {

@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/input_error.h"
-#include "base/lower_case.h"
 #include "base/memory.h"
-#include "base/option_names.h"
-#include "base/printable.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_names.h"
+#include "base/text/printable.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
 

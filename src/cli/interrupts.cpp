@@ -14,8 +14,8 @@
 #include <thread>
 #include <utility>
 
-#include "base/printable.h"
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
+#include "base/text/printable.h"
 #include "cli/progress_line.h"
 
 namespace sherd::cli {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
 
 namespace sherd::cli {
 

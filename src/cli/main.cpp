@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/atomic_file.h"
-#include "base/printable.h"
+#include "base/files/atomic_file.h"
+#include "base/text/printable.h"
 #include "base/threads.h"
 #include "base/version.h"
 #include "cli/cgal_checks.h"

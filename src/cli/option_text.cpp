@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/lower_case.h"
-#include "base/option_text.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_text.h"
 
 namespace sherd::cli {
 

@@ -11,9 +11,9 @@
 #include <memory>
 #include <optional>
 
-#include "base/lower_case.h"
 #include "base/memory.h"
-#include "base/option_text.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_text.h"
 #include "cli/command.h"
 #include "cli/held_files.h"
 #include "cli/interrupts.h"

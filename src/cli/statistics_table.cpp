@@ -1,8 +1,8 @@
 // Prints statistics of a fracture as a table of text, beside published figures.
 #include <string_view>
 
-#include "base/formatted.h"
-#include "base/printable.h"
+#include "base/text/formatted.h"
+#include "base/text/printable.h"
 #include "cli/statistics_report.h"
 
 namespace sherd::cli {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/option_text.h"
+#include "base/text/option_text.h"
 #include "cli/command.h"
 
 namespace sherd::cli {

@@ -9,8 +9,8 @@
 #include <exception>
 #include <new>
 
+#include "base/files/unfinished.h"
 #include "base/threads.h"
-#include "base/unfinished.h"
 #include "cli/command.h"
 #include "cli/interrupts.h"
 

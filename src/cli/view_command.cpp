@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "base/memory.h"
-#include "base/printable.h"
+#include "base/text/printable.h"
 #include "cli/command.h"
 #include "cli/held_files.h"
 #include "cli/interrupts.h"

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "base/little_endian.h"
 
 namespace sherd {

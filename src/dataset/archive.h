@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "base/appended_file.h"
-#include "base/sha256.h"
+#include "base/files/appended_file.h"
+#include "base/files/sha256.h"
 #include "dataset/held_bytes.h"
 #include "formats/arrays/zip_writer.h"
 

@@ -11,8 +11,8 @@
 #include <map>
 #include <set>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
 #include "dataset/object_folder.h"
 
 namespace sherd {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/direct_io.h"
+#include "base/files/direct_io.h"
 
 namespace sherd {
 

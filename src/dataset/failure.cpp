@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <new>
 
-#include "base/sha256.h"
+#include "base/files/sha256.h"
 
 namespace sherd {
 

@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "base/threads.h"
 
 namespace sherd {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "base/cancel_flag.h"
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
 #include "dataset/fracture_line.h"
 #include "dataset/identity.h"
 #include "dataset/object_folder.h"

@@ -6,8 +6,8 @@
 #include <glm/vec4.hpp>
 #include <numbers>
 
-#include "base/json_of.h"
 #include "base/random.h"
+#include "base/text/json_of.h"
 #include "dataset/layout.h"
 #include "surface/fragment_surfaces.h"
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <set>
 
+#include "base/files/sha256.h"
 #include "base/random.h"
-#include "base/sha256.h"
 #include "dataset/hdf5_part.h"
 #include "dataset/json_fields.h"
 

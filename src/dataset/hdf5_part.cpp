@@ -7,9 +7,9 @@
 #include <array>
 #include <numeric>
 
-#include "base/below_folder.h"
+#include "base/files/below_folder.h"
+#include "base/files/parsed_json.h"
 #include "base/little_endian.h"
-#include "base/parsed_json.h"
 #include "dataset/json_fields.h"
 
 namespace sherd {

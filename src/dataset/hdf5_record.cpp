@@ -7,10 +7,10 @@
 
 #include <optional>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
-#include "base/parsed_json.h"
-#include "base/sha256.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
+#include "base/files/parsed_json.h"
+#include "base/files/sha256.h"
 #include "dataset/json_fields.h"
 
 namespace sherd {

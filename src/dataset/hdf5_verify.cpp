@@ -5,10 +5,10 @@
 
 #include <utility>
 
-#include "base/below_folder.h"
-#include "base/file_bytes.h"
+#include "base/files/below_folder.h"
+#include "base/files/file_bytes.h"
+#include "base/files/sha256.h"
 #include "base/input_error.h"
-#include "base/sha256.h"
 #include "dataset/fracture_line.h"
 #include "dataset/hdf5_lists.h"
 #include "dataset/hdf5_part.h"

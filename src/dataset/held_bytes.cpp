@@ -7,7 +7,7 @@
 #include <string>
 #include <system_error>
 
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
 
 namespace sherd {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string_view>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "dataset/byte_blocks.h"
 
 namespace sherd {

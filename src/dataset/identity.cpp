@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/option_text.h"
+#include "base/text/option_text.h"
 #include "dataset/pfpp.h"
 #include "formats/arrays/hdf5_file.h"
 #include "pipeline/fracture_stages.h"

@@ -7,10 +7,10 @@
 #include <map>
 #include <span>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
 #include "base/cancel_flag.h"
-#include "base/sha256.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
+#include "base/files/sha256.h"
 #include "dataset/bb_lists.h"
 #include "dataset/fracture_line.h"
 #include "dataset/hdf5_join.h"

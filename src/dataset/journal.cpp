@@ -8,9 +8,9 @@
 
 #include <cerrno>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
-#include "base/file_bytes.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
+#include "base/files/file_bytes.h"
 #include "base/input_error.h"
 #include "dataset/object_folder.h"
 

@@ -1,7 +1,7 @@
 // The file names of a dataset.
 #include "dataset/layout.h"
 
-#include "base/option_names.h"
+#include "base/text/option_names.h"
 #include "dataset/hdf5_part.h"
 #include "dataset/pfpp.h"
 #include "folder/file_names.h"

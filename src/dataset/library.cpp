@@ -10,9 +10,9 @@
 #include <numeric>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "base/input_error.h"
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 
 namespace sherd {
 namespace {

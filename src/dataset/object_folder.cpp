@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 
 namespace sherd {
 namespace {

@@ -9,8 +9,8 @@
 #include <tuple>
 #include <utility>
 
-#include "base/option_names.h"
-#include "base/option_text.h"
+#include "base/text/option_names.h"
+#include "base/text/option_text.h"
 #include "options/values.h"
 
 namespace sherd {

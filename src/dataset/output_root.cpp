@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
 #include "dataset/hdf5_join.h"
 #include "dataset/index.h"
 #include "dataset/journal.h"

@@ -11,10 +11,10 @@
 #include <set>
 #include <string_view>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
-#include "base/file_bytes.h"
-#include "base/sha256.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
+#include "base/files/file_bytes.h"
+#include "base/files/sha256.h"
 #include "dataset/object_folder.h"
 
 namespace sherd {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <set>
 
-#include "base/below_folder.h"
-#include "base/parsed_json.h"
-#include "base/sha256.h"
+#include "base/files/below_folder.h"
+#include "base/files/parsed_json.h"
+#include "base/files/sha256.h"
 #include "dataset/fracture_line.h"
 #include "dataset/journal.h"
 #include "dataset/json_fields.h"

@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <map>
 
+#include "base/files/sha256.h"
 #include "base/little_endian.h"
-#include "base/lower_case.h"
 #include "base/random.h"
-#include "base/sha256.h"
+#include "base/text/lower_case.h"
 #include "dataset/object_folder.h"
 #include "dataset/pfpp_matches.h"
 #include "folder/write_points.h"

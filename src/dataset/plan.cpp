@@ -7,11 +7,11 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
+#include "base/files/parsed_json.h"
 #include "base/input_error.h"
-#include "base/option_names.h"
-#include "base/parsed_json.h"
+#include "base/text/option_names.h"
 #include "dataset/json_fields.h"
 #include "dataset/object_folder.h"
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <string_view>
 
-#include "base/atomic_file.h"
-#include "base/base64.h"
-#include "base/file_bytes.h"
-#include "base/formatted.h"
+#include "base/files/atomic_file.h"
+#include "base/files/file_bytes.h"
+#include "base/text/base64.h"
+#include "base/text/formatted.h"
 #include "base/version.h"
 #include "chart/charts.h"
 #include "chart/svg.h"

@@ -9,9 +9,9 @@
 #include <optional>
 #include <set>
 
-#include "base/atomic_file.h"
 #include "base/cancel_flag.h"
-#include "base/file_bytes.h"
+#include "base/files/atomic_file.h"
+#include "base/files/file_bytes.h"
 #include "dataset/failure.h"
 #include "dataset/fracture_line.h"
 #include "dataset/hdf5_join.h"

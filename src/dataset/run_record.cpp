@@ -5,8 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
 #include "base/version.h"
 
 namespace sherd {

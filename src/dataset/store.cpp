@@ -10,9 +10,9 @@
 #include <chrono>
 #include <set>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
-#include "base/sha256.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
+#include "base/files/sha256.h"
 #include "base/threads.h"
 
 namespace sherd {

@@ -17,9 +17,9 @@
 #include "erode/passes.h"
 #include "erode/shape.h"
 #include "erode/shell.h"
-#include "grow/check_labels.h"
-#include "grow/solid_components.h"
-#include "voxelize/leaf_blocks.h"
+#include "grow/fields/check_labels.h"
+#include "grow/fields/solid_components.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <string>
 
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 

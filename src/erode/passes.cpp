@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 #include "erode/shape.h"
 
 namespace sherd {

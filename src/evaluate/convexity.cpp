@@ -14,7 +14,7 @@
 #include "base/random.h"
 #include "evaluate/convexity_rays.h"
 #include "mesh/hull.h"
-#include "mesh/inside.h"
+#include "mesh/search/inside.h"
 #include "mesh/vertex_normals.h"
 
 namespace sherd {

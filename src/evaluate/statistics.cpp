@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 #include "evaluate/crack_roughness.h"
 #include "evaluate/distance_neighbors.h"
 #include "evaluate/fragment_shape.h"

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "base/input_error.h"
-#include "base/json_text.h"
-#include "base/option_names.h"
+#include "base/text/json_text.h"
+#include "base/text/option_names.h"
 #include "folder/read_manifest.h"
 #include "options/record.h"
 

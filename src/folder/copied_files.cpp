@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "folder/read_manifest.h"
 #include "formats/mesh/piece_mesh.h"
 #include "formats/mesh/ply_neighbors.h"

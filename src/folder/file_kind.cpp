@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/file_bytes.h"
-#include "base/lower_case.h"
+#include "base/files/file_bytes.h"
+#include "base/text/lower_case.h"
 #include "formats/arrays/npy_reader.h"
 #include "formats/mesh/ply_body.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/option_names.h"
+#include "base/text/option_names.h"
 
 namespace sherd {
 namespace {

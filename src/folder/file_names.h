@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/safe_name.h"
+#include "base/text/safe_name.h"
 #include "folder/manifest.h"
 #include "formats/mesh/materials.h"
 

@@ -10,7 +10,7 @@
 #include "folder/manifest.h"
 #include "folder/rounding.h"
 #include "voxelize/distance.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 #include "voxelize/region.h"
 
 namespace sherd {

@@ -15,8 +15,8 @@
 #include "folder/viewer_file.h"
 #include "folder/write_points.h"
 #include "points/sample_surface.h"
+#include "remesh/smooth.h"
 #include "render/preview_fragment.h"
-#include "surface/smooth.h"
 
 namespace sherd {
 namespace {

@@ -13,10 +13,10 @@
 #include <system_error>
 #include <utility>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
-#include "base/text_scan.h"
-#include "base/unfinished.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
+#include "base/files/unfinished.h"
+#include "base/text/text_scan.h"
 #include "folder/own_files.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"

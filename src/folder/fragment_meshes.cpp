@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "base/chosen.h"
+#include "cut/label_reader.h"
 #include "formats/mesh/gltf_texture_uses.h"
 #include "mesh/joined.h"
 #include "mesh/positions.h"
-#include "surface/label_reader.h"
 
 namespace sherd {
 namespace {

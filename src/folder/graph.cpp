@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "base/json_of.h"
-#include "base/json_text.h"
+#include "base/text/json_of.h"
+#include "base/text/json_text.h"
 #include "folder/split_parents.h"
 #include "formats/mesh/each_contact.h"
 

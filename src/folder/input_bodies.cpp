@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "folder/rounding.h"
-#include "surface/bodies.h"
-#include "surface/close_mesh.h"
+#include "remesh/bodies.h"
+#include "remesh/parts/close_mesh.h"
 
 namespace sherd {
 

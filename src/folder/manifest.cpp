@@ -13,18 +13,18 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "base/json_of.h"
-#include "base/json_text.h"
-#include "base/option_names.h"
-#include "exact/rounded_crossings.h"
+#include "base/text/json_of.h"
+#include "base/text/json_text.h"
+#include "base/text/option_names.h"
+#include "clean/rounded_crossings.h"
 #include "folder/mesh_report.h"
 #include "folder/read_manifest.h"
 #include "folder/rounding.h"
 #include "folder/split_parents.h"
 #include "formats/voxels/vdb_unit.h"
 #include "options/record.h"
+#include "remesh/region_edges.h"
 #include "surface/fragment_surfaces.h"
-#include "surface/region_edges.h"
 
 namespace sherd {
 namespace {

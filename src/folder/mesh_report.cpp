@@ -6,11 +6,11 @@
 #include <set>
 #include <utility>
 
-#include "base/formatted.h"
-#include "base/json_text.h"
-#include "base/option_names.h"
-#include "base/printable.h"
-#include "base/text_scan.h"
+#include "base/text/formatted.h"
+#include "base/text/json_text.h"
+#include "base/text/option_names.h"
+#include "base/text/printable.h"
+#include "base/text/text_scan.h"
 #include "folder/small_pieces.h"
 #include "mesh/coordinate_system.h"
 

@@ -16,8 +16,8 @@
 #include <thread>
 #include <utility>
 
-#include "base/atomic_file.h"
-#include "base/below_folder.h"
+#include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
 #include "base/input_error.h"
 #include "folder/file_names.h"
 #include "folder/own_files.h"

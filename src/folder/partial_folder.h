@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
 
 namespace sherd {
 

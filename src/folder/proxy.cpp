@@ -1,7 +1,7 @@
 // Convex hulls of fragments, for simulations.
 #include <sherd/folder.h>
 
-#include "base/number_text.h"
+#include "base/text/number_text.h"
 #include "mesh/hull.h"
 
 namespace sherd {

@@ -6,11 +6,11 @@
 #include <string_view>
 #include <utility>
 
-#include "base/density_source.h"
 #include "base/input_error.h"
+#include "base/text/density_source.h"
 #include "formats/mesh/read_mesh.h"
 #include "formats/voxels/vdb.h"
-#include "seed/density.h"
+#include "seed/draw/density.h"
 
 namespace sherd {
 namespace {

@@ -7,17 +7,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
+#include "base/files/sha256.h"
 #include "base/input_error.h"
 #include "base/memory.h"
-#include "base/sha256.h"
 #include "folder/again.h"
 #include "folder/fragment_meshes.h"
 #include "folder/read_manifest.h"
 #include "folder/voxels_of_meshes.h"
 #include "formats/voxels/vdb.h"
 #include "formats/voxels/voxel_lookup.h"
-#include "grow/small_components.h"
+#include "grow/fields/small_components.h"
 #include "pipeline/memory_estimate.h"
 #include "voxelize/distance.h"
 #include "voxelize/region.h"

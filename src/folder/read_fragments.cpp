@@ -8,7 +8,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/input_error.h"
-#include "base/natural_order.h"
+#include "base/text/natural_order.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
 

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 
-#include "base/below_folder.h"
+#include "base/files/below_folder.h"
+#include "base/files/parsed_json.h"
 #include "base/input_error.h"
-#include "base/option_names.h"
-#include "base/parsed_json.h"
+#include "base/text/option_names.h"
 #include "folder/partial_folder.h"
 
 namespace sherd {

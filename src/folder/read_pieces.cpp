@@ -7,15 +7,15 @@
 #include <algorithm>
 
 #include "base/input_error.h"
-#include "base/lower_case.h"
 #include "base/memory.h"
+#include "base/text/lower_case.h"
 #include "base/uncancelled.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"
 #include "pipeline/memory_estimate.h"
-#include "surface/mesh.h"
 #include "voxelize/distance.h"
+#include "voxelize/level_set_mesh.h"
 
 namespace sherd {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/formatted.h"
-#include "base/option_text.h"
+#include "base/text/formatted.h"
+#include "base/text/option_text.h"
 #include "formats/mesh/piece_mesh.h"
 #include "mesh/single_rounding.h"
 

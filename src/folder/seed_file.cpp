@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "base/parsed_json.h"
+#include "base/files/parsed_json.h"
 
 namespace sherd {
 namespace {

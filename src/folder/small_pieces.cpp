@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 
 namespace sherd {
 namespace {

@@ -13,7 +13,7 @@
 #include "formats/voxels/vdb.h"
 #include "pipeline/memory_estimate.h"
 #include "voxelize/distance.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 #include "voxelize/voxelize.h"
 
 namespace sherd {

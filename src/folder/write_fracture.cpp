@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/atomic_file.h"
-#include "base/printable.h"
-#include "base/unfinished.h"
+#include "base/files/atomic_file.h"
+#include "base/files/unfinished.h"
+#include "base/text/printable.h"
 #include "folder/file_names.h"
 #include "folder/fracture_files.h"
 #include "folder/manifest.h"

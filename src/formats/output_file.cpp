@@ -1,7 +1,7 @@
 // Writing files to a path or to a sink.
 #include <sherd/files.h>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 
 namespace sherd {
 

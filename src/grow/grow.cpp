@@ -7,20 +7,20 @@
 #include <cmath>
 #include <optional>
 
-#include "base/formatted.h"
-#include "grow/apart_leaves.h"
-#include "grow/check_labels.h"
-#include "grow/components.h"
-#include "grow/flood.h"
-#include "grow/label_slices.h"
-#include "grow/relief.h"
-#include "grow/rough.h"
-#include "grow/seed_kernel.h"
-#include "grow/sequential.h"
-#include "grow/settle.h"
-#include "grow/solid_components.h"
-#include "grow/split.h"
-#include "voxelize/leaf_blocks.h"
+#include "base/text/formatted.h"
+#include "grow/fields/apart_leaves.h"
+#include "grow/fields/check_labels.h"
+#include "grow/fields/components.h"
+#include "grow/fields/flood.h"
+#include "grow/fields/label_slices.h"
+#include "grow/fields/relief.h"
+#include "grow/fields/rough.h"
+#include "grow/fields/seed_kernel.h"
+#include "grow/fields/settle.h"
+#include "grow/fields/solid_components.h"
+#include "grow/splits/sequential.h"
+#include "grow/splits/split.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/formatted.h"
+#include "base/text/formatted.h"
 
 namespace sherd {
 namespace {

@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cstdio>
 
-#include "base/option_text.h"
 #include "base/random.h"
+#include "base/text/option_text.h"
 
 namespace sherd {
 namespace {

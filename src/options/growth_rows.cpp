@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/option_names.h"
+#include "base/text/option_names.h"
 #include "options/parsed.h"
 #include "options/rows.h"
 

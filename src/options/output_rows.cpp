@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/option_names.h"
+#include "base/text/option_names.h"
 #include "mesh/coordinate_system.h"
 #include "options/parsed.h"
 #include "options/rows.h"

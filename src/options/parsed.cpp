@@ -8,8 +8,8 @@
 #include <optional>
 #include <span>
 
-#include "base/option_names.h"
-#include "base/option_text.h"
+#include "base/text/option_names.h"
+#include "base/text/option_text.h"
 #include "options/values.h"
 
 namespace sherd {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <variant>
 
-#include "seed/density.h"
+#include "seed/draw/density.h"
 #include "voxelize/distance.h"
 
 namespace sherd {

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <string_view>
 
-#include "base/density_source.h"
-#include "base/json_of.h"
-#include "base/option_text.h"
+#include "base/text/density_source.h"
+#include "base/text/json_of.h"
+#include "base/text/option_text.h"
 #include "options/parsed.h"
 
 namespace sherd {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "base/lower_case.h"
-#include "base/option_text.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_text.h"
 
 namespace sherd {
 namespace {

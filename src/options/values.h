@@ -19,8 +19,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/number_text.h"
-#include "base/option_text.h"
+#include "base/text/number_text.h"
+#include "base/text/option_text.h"
 
 namespace sherd {
 

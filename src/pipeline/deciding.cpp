@@ -9,9 +9,9 @@
 #include <map>
 #include <utility>
 
-#include "grow/small_components.h"
+#include "grow/fields/small_components.h"
 #include "voxelize/canonical_solid.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

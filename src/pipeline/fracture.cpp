@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cl/device_impl.h"
-#include "grow/small_components.h"
+#include "grow/fields/small_components.h"
 #include "pipeline/deciding.h"
 #include "pipeline/fracture_stages.h"
 #include "voxelize/wall_middles.h"

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "grow/shares.h"
-#include "surface/exact_surface.h"
+#include "grow/sized/shares.h"
+#include "surface/exact/exact_surface.h"
 
 namespace sherd {
 

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
-#include "mesh/curtain.h"
-#include "mesh/repair.h"
+#include "mesh/repair/repair.h"
+#include "mesh/search/curtain.h"
 #include "mesh/vertex_normals.h"
-#include "surface/mesh.h"
+#include "voxelize/level_set_mesh.h"
 #include "voxelize/region.h"
 
 namespace sherd {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/sided_mesh.h"
+#include "mesh/search/sided_mesh.h"
 
 namespace sherd {
 

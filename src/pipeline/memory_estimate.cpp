@@ -14,8 +14,8 @@
 
 #include "base/memory.h"
 #include "pipeline/fracture_stages.h"
-#include "surface/smooth.h"
-#include "voxelize/fill.h"
+#include "remesh/smooth.h"
+#include "voxelize/fill/fill.h"
 
 namespace sherd {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/random.h"
-#include "grow/small_components.h"
+#include "grow/fields/small_components.h"
 #include "pipeline/fracture_stages.h"
 #include "pipeline/guide_surfaces.h"
 #include "pipeline/refracture_islands.h"

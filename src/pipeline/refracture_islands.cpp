@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "voxelize/distance.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -15,12 +15,12 @@
 #include <string>
 #include <utility>
 
+#include "cut/label_reader.h"
 #include "mesh/positions.h"
-#include "surface/body_clusters.h"
-#include "surface/exact_by_cluster.h"
-#include "surface/label_reader.h"
-#include "surface/settled_labels.h"
-#include "voxelize/leaf_blocks.h"
+#include "surface/exact/body_clusters.h"
+#include "surface/exact/exact_by_cluster.h"
+#include "surface/exact/settled_labels.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "surface/exact_surface.h"
+#include "surface/exact/exact_surface.h"
 
 namespace sherd {
 

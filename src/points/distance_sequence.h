@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "mesh/mesh_distance.h"
+#include "mesh/search/mesh_distance.h"
 #include "mesh/surface_by_area.h"
 #include "points/blocks.h"
 

@@ -14,7 +14,7 @@
 
 #include "base/random.h"
 #include "points/eliminate.h"
-#include "seed/radical_inverse.h"
+#include "seed/draw/radical_inverse.h"
 
 namespace sherd {
 namespace {

@@ -9,11 +9,11 @@
 #include <string>
 
 #include "base/cancel_flag.h"
-#include "base/formatted.h"
 #include "base/half_float.h"
 #include "base/random.h"
+#include "base/text/formatted.h"
 #include "points/distance_sequence.h"
-#include "seed/irwin_hall.h"
+#include "seed/draw/irwin_hall.h"
 
 namespace sherd {
 namespace {

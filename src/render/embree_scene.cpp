@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "mesh/embree_error.h"
+#include "mesh/search/embree_error.h"
 
 namespace sherd {
 namespace {

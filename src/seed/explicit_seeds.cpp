@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <string>
 
-#include "seed/samplers.h"
-#include "seed/voxel_index.h"
+#include "seed/draw/samplers.h"
+#include "seed/draw/voxel_index.h"
 
 namespace sherd {
 namespace {

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "seed/wall.h"
+#include "seed/draw/wall.h"
 
 namespace sherd {
 

@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
-#include "base/formatted.h"
 #include "base/random.h"
+#include "base/text/formatted.h"
+#include "seed/draw/irwin_hall.h"
 #include "seed/impact_rings.h"
-#include "seed/irwin_hall.h"
 #include "seed/ray.h"
 #include "voxelize/canonical_solid.h"
 #include "voxelize/region.h"

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "seed/draw/samplers.h"
+#include "seed/draw/voxel_index.h"
 #include "seed/impact_rings.h"
-#include "seed/samplers.h"
-#include "seed/voxel_index.h"
 
 namespace sherd {
 

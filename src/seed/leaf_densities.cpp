@@ -5,9 +5,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "seed/density.h"
+#include "seed/draw/density.h"
+#include "seed/draw/voxel_index.h"
 #include "seed/impacts.h"
-#include "seed/voxel_index.h"
 
 namespace sherd {
 namespace {

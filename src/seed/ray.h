@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "seed/voxel_index.h"
+#include "seed/draw/voxel_index.h"
 
 namespace sherd {
 

@@ -8,13 +8,13 @@
 #include <string>
 
 #include "base/random.h"
+#include "seed/draw/irwin_hall.h"
+#include "seed/draw/samplers.h"
+#include "seed/draw/voxel_index.h"
+#include "seed/draw/wall.h"
 #include "seed/fragment_ids.h"
 #include "seed/impacts.h"
-#include "seed/irwin_hall.h"
 #include "seed/nearest_seed.h"
-#include "seed/samplers.h"
-#include "seed/voxel_index.h"
-#include "seed/wall.h"
 
 namespace sherd {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "base/random.h"
+#include "seed/draw/voxel_index.h"
 #include "seed/impacts.h"
-#include "seed/voxel_index.h"
 
 namespace sherd {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "surface/contacts.h"
-#include "surface/cut_solid.h"
-#include "surface/exact_surface.h"
+#include "interface/contacts.h"
+#include "interface/cut_solid.h"
+#include "surface/exact/exact_surface.h"
 #include "surface/fragment_surfaces.h"
 #include "surface/simplify.h"
 

@@ -14,10 +14,10 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
-#include "grow/check_labels.h"
+#include "grow/fields/check_labels.h"
 #include "mesh/mass_sums.h"
 #include "mesh/triangle_area.h"
-#include "surface/region_edges.h"
+#include "remesh/region_edges.h"
 
 namespace sherd {
 namespace {

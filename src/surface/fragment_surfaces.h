@@ -9,12 +9,12 @@
 #include <optional>
 #include <vector>
 
+#include "interface/contacts.h"
+#include "interface/cut_solid.h"
+#include "interface/interface_mesh.h"
+#include "interface/interface_surface.h"
 #include "mesh/surface_by_area.h"
-#include "surface/complex.h"
-#include "surface/contacts.h"
-#include "surface/cut_solid.h"
-#include "surface/interface_mesh.h"
-#include "surface/interface_surface.h"
+#include "remesh/complex.h"
 
 namespace sherd {
 

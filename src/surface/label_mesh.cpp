@@ -20,8 +20,8 @@
 #include <numeric>
 
 #include "base/union_find.h"
-#include "surface/contacts.h"
-#include "surface/label_reader.h"
+#include "cut/label_reader.h"
+#include "interface/contacts.h"
 
 namespace sherd {
 namespace {

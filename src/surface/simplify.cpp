@@ -5,10 +5,10 @@
 #include <glm/common.hpp>
 #include <utility>
 
-#include "surface/decimate.h"
-#include "surface/flat_input.h"
-#include "surface/intact.h"
-#include "surface/merge_facets.h"
+#include "interface/flat_input.h"
+#include "interface/intact.h"
+#include "remesh/decimate/decimate.h"
+#include "remesh/decimate/merge_facets.h"
 
 namespace sherd {
 namespace {

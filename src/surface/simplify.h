@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "surface/complex.h"
+#include "remesh/complex.h"
 
 namespace sherd {
 

@@ -13,10 +13,10 @@
 #include <span>
 #include <string_view>
 
-#include "base/base64.h"
 #include "base/cancel_flag.h"
-#include "base/json_of.h"
-#include "base/sha256.h"
+#include "base/files/sha256.h"
+#include "base/text/base64.h"
+#include "base/text/json_of.h"
 #include "chart/svg.h"
 #include "viewer/encode.h"
 #include "viewer/simplify.h"

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "base/cancel_flag.h"
-#include "mesh/boxes.h"
+#include "mesh/search/boxes.h"
 #include "voxelize/discs.h"
 
 namespace sherd {

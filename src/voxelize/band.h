@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "mesh/triangle_tree.h"
+#include "mesh/search/triangle_tree.h"
 
 namespace sherd {
 

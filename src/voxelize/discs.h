@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "mesh/triangle_tree.h"
+#include "mesh/search/triangle_tree.h"
 
 namespace sherd {
 

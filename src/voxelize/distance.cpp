@@ -18,7 +18,7 @@
 
 #include "base/cancel_flag.h"
 #include "voxelize/band.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

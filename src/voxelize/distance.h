@@ -8,7 +8,7 @@
 #include <functional>
 #include <span>
 
-#include "voxelize/fill.h"
+#include "voxelize/fill/fill.h"
 
 namespace sherd {
 

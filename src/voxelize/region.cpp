@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "mesh/nearest_on_triangle.h"
+#include "mesh/search/nearest_on_triangle.h"
 #include "voxelize/distance.h"
 
 namespace sherd {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "mesh/triangle_tree.h"
+#include "mesh/search/triangle_tree.h"
 
 namespace sherd {
 

@@ -11,19 +11,19 @@
 #include <vector>
 
 #include "base/cancel_flag.h"
-#include "base/formatted.h"
-#include "mesh/bodies_apart.h"
+#include "base/text/formatted.h"
+#include "mesh/attributes/seams.h"
 #include "mesh/joined.h"
-#include "mesh/repair.h"
-#include "mesh/seams.h"
-#include "voxelize/body_layers.h"
-#include "voxelize/bridges.h"
+#include "mesh/repair/bodies_apart.h"
+#include "mesh/repair/repair.h"
+#include "voxelize/bodies/body_layers.h"
+#include "voxelize/bodies/bridges.h"
+#include "voxelize/bodies/kept_bodies.h"
 #include "voxelize/distance.h"
-#include "voxelize/fill.h"
-#include "voxelize/kept_bodies.h"
+#include "voxelize/fill/fill.h"
+#include "voxelize/fill/walls.h"
+#include "voxelize/fill/work_limit.h"
 #include "voxelize/region.h"
-#include "voxelize/walls.h"
-#include "voxelize/work_limit.h"
 
 namespace sherd {
 namespace {

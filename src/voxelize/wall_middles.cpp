@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 #include "voxelize/wall_normals.h"
 #include "voxelize/wall_samples.h"
 

@@ -14,7 +14,7 @@
 
 #include "base/cancel_flag.h"
 #include "voxelize/distance.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

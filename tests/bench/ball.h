@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace bench {
 

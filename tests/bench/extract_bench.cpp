@@ -13,7 +13,7 @@
 #include <string>
 
 #include "shapes.h"
-#include "surface/mesh.h"
+#include "voxelize/level_set_mesh.h"
 
 namespace {
 

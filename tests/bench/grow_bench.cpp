@@ -21,8 +21,8 @@
 
 #include "ball.h"
 #include "cl/open_cl_device.h"
-#include "grow/sequential.h"
-#include "grow/split_plan.h"
+#include "grow/sized/split_plan.h"
+#include "grow/splits/sequential.h"
 
 namespace {
 

@@ -18,7 +18,7 @@
 #include "grown_pipeline.h"
 #include "pipeline/fracture_stages.h"
 #include "shapes.h"
-#include "surface/mesh.h"
+#include "voxelize/level_set_mesh.h"
 
 namespace {
 

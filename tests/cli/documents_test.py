@@ -334,7 +334,7 @@ class Statements(unittest.TestCase):
     def test_who_includes_what(self):
         includes = {}
         for name in tracked():
-            if re.match(r"(src|include)/.*\.(cpp|h)$", name) and name != "src/base/library_versions.cpp":
+            if re.match(r"(src|include)/.*\.(cpp|h)$", name) and name != "src/base/text/library_versions.cpp":
                 includes[name] = re.findall(r'^#include [<"]([^>"]+)[>"]', text_of(name), flags=re.M)
         table = {row["library"]: row["included by"] for row in rows(self.section("docs/architecture.md", "Who may include what"))}
         self.assertEqual(sorted(table), sorted(HEADERS))
@@ -368,7 +368,7 @@ class Statements(unittest.TestCase):
         def code(name, what):
             return re.search(re.escape(what) + r" = (\d+)", text_of(name)).group(1)
 
-        bits = code("src/voxelize/winding.cpp", "kBits")
+        bits = code("src/voxelize/fill/winding.cpp", "kBits")
         small, highest = code("include/sherd/solid.h", "kSmallComponentVoxels"), code("include/sherd/seeds.h", "kMaxFragments")
         least, most = code("include/sherd/solid.h", "kLeastAutoResolution"), code("include/sherd/solid.h", "kMostAutoResolution")
         for page, statement in (

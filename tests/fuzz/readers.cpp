@@ -14,8 +14,8 @@
 #include <set>
 #include <string>
 
-#include "base/below_folder.h"
-#include "base/parsed_json.h"
+#include "base/files/below_folder.h"
+#include "base/files/parsed_json.h"
 #include "cli/config_file.h"
 #include "dataset/hdf5_part.h"
 #include "dataset/journal.h"

@@ -4,7 +4,7 @@
 
 #include "cl/device_impl.h"
 #include "device_fixture.h"
-#include "grow/growth_state.h"
+#include "grow/fields/growth_state.h"
 #include "voxel_shapes.h"
 
 namespace sherd {

@@ -6,7 +6,7 @@
 
 #include "base/random.h"
 #include "device_fixture.h"
-#include "grow/relief.h"
+#include "grow/fields/relief.h"
 #include "grow_reference.h"
 
 namespace sherd {

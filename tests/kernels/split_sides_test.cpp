@@ -3,7 +3,7 @@
 #include <map>
 
 #include "device_fixture.h"
-#include "grow/sequential.h"
+#include "grow/splits/sequential.h"
 #include "voxel_shapes.h"
 
 namespace sherd {

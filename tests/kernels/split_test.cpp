@@ -11,8 +11,8 @@
 #include <set>
 
 #include "device_fixture.h"
-#include "grow/sequential.h"
-#include "grow/split_nodes.h"
+#include "grow/splits/sequential.h"
+#include "grow/splits/split_nodes.h"
 #include "grow_reference.h"
 #include "random_ways.h"
 

@@ -22,8 +22,8 @@
 #include <utility>
 #include <vector>
 
-#include "exact/self_crossings.h"
-#include "mesh/triangle_tree.h"
+#include "intersect/self_crossings.h"
+#include "mesh/search/triangle_tree.h"
 #include "mesh_checks.h"
 #include "shapes.h"
 #include "voxelize/region.h"

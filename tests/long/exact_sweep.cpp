@@ -22,14 +22,14 @@
 #include <utility>
 #include <vector>
 
-#include "exact/self_crossings.h"
 #include "exact_checks.h"
+#include "intersect/self_crossings.h"
 #include "mesh/positions.h"
-#include "mesh/repair.h"
+#include "mesh/repair/repair.h"
+#include "remesh/bodies.h"
+#include "remesh/parts/part_edges.h"
+#include "remesh/parts/shell_mesh.h"
 #include "shapes.h"
-#include "surface/bodies.h"
-#include "surface/part_edges.h"
-#include "surface/shell_mesh.h"
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "cl/builtin_device.h"
-#include "grow/sequential.h"
-#include "grow/split_plan.h"
+#include "grow/sized/split_plan.h"
+#include "grow/splits/sequential.h"
 #include "kernels/voxel_shapes.h"
 
 namespace sherd {

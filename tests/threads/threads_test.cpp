@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "base/atomic_file.h"
-#include "base/unfinished.h"
+#include "base/files/atomic_file.h"
+#include "base/files/unfinished.h"
 #include "cli/held_files.h"
 #include "dataset/file_queue.h"
 #include "dataset/store.h"

@@ -7,8 +7,8 @@
 #include <optional>
 #include <random>
 
+#include "seed/draw/voxel_index.h"
 #include "seed/ray.h"
-#include "seed/voxel_index.h"
 #include "unit/seeds_fixture.h"
 
 namespace sherd {

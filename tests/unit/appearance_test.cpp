@@ -10,7 +10,7 @@
 #include <set>
 
 #include "appearance/transfer.h"
-#include "mesh/charts.h"
+#include "mesh/attributes/charts.h"
 #include "shapes.h"
 
 namespace sherd {

@@ -1,5 +1,5 @@
 // Attributes that are linear in planes, or not.
-#include "mesh/bent_attributes.h"
+#include "mesh/attributes/bent_attributes.h"
 
 #include <gtest/gtest.h>
 

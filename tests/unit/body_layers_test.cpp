@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "kernels/device_fixture.h"
-#include "mesh/triangle_tree.h"
+#include "mesh/search/triangle_tree.h"
 #include "shapes.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

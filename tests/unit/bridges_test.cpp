@@ -1,5 +1,5 @@
 // Thin walls that stay in one piece.
-#include "voxelize/bridges.h"
+#include "voxelize/bodies/bridges.h"
 
 #include <gtest/gtest.h>
 #include <sherd/solid.h>

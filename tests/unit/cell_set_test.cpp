@@ -1,5 +1,5 @@
 // Edges near cells, and slices of labels, against one voxel at a time.
-#include "surface/cell_set.h"
+#include "interface/cells/cell_set.h"
 
 #include <gtest/gtest.h>
 #include <sherd/labels.h>
@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "grow/label_slices.h"
+#include "grow/fields/label_slices.h"
 
 namespace sherd {
 namespace {

@@ -19,7 +19,7 @@
 #include "../shapes.h"
 #include "base/union_find.h"
 #include "cli/cgal_checks.h"
-#include "exact/crossing_point.h"
+#include "intersect/crossing_point.h"
 
 namespace sherd {
 namespace {

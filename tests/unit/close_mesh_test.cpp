@@ -1,5 +1,5 @@
 // Surface::exact of meshes with holes.
-#include "surface/close_mesh.h"
+#include "remesh/parts/close_mesh.h"
 
 #include <gtest/gtest.h>
 #include <sherd/device.h>
@@ -16,8 +16,8 @@
 
 #include "appearance/source_faces.h"
 #include "appearance/transfer.h"
-#include "exact/self_crossings.h"
 #include "exact_checks.h"
+#include "intersect/self_crossings.h"
 #include "mesh/positions.h"
 #include "shapes.h"
 

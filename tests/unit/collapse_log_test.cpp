@@ -1,5 +1,5 @@
 // Undoing collapses that depend on each other.
-#include "surface/collapse_log.h"
+#include "remesh/collapse_log.h"
 
 #include <gtest/gtest.h>
 

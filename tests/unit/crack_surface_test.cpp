@@ -1,5 +1,5 @@
 // The surfaces between fragments, and what simplification keeps of them.
-#include "surface/crack_surface.h"
+#include "surface/exact/crack_surface.h"
 
 #include <gtest/gtest.h>
 #include <sherd/fracture.h>
@@ -17,12 +17,12 @@
 #include <utility>
 #include <vector>
 
-#include "exact/self_crossings.h"
-#include "mesh/triangle_tree.h"
+#include "intersect/self_crossings.h"
+#include "mesh/search/triangle_tree.h"
+#include "remesh/decimate/merge_facets.h"
+#include "remesh/decimate/simplified_cracks.h"
 #include "shapes.h"
-#include "surface/merge_facets.h"
-#include "surface/simplified_cracks.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

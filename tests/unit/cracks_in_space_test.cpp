@@ -11,8 +11,8 @@
 
 #include "kernels/device_fixture.h"
 #include "pipeline/fracture_stages.h"
+#include "seed/draw/voxel_index.h"
 #include "seed/impacts.h"
-#include "seed/voxel_index.h"
 #include "shapes.h"
 #include "voxelize/canonical_solid.h"
 

@@ -1,5 +1,5 @@
 // Points of creases and corners, against planes that determine them.
-#include "surface/crease_point.h"
+#include "interface/cells/crease_point.h"
 
 #include <gtest/gtest.h>
 

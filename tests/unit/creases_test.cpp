@@ -1,5 +1,5 @@
 // Creases of the input in the fragments' meshes.
-#include "surface/creases.h"
+#include "interface/cells/creases.h"
 
 #include <gtest/gtest.h>
 #include <sherd/files.h>
@@ -21,14 +21,14 @@
 #include <limits>
 #include <vector>
 
-#include "exact/self_crossings.h"
+#include "interface/cells/contact_boundaries.h"
+#include "intersect/self_crossings.h"
 #include "kernels/device_fixture.h"
-#include "mesh/triangle_tree.h"
+#include "mesh/search/triangle_tree.h"
 #include "mesh_checks.h"
+#include "remesh/bodies.h"
 #include "shapes.h"
-#include "surface/bodies.h"
-#include "surface/contact_boundaries.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 #include "voxelize/region.h"
 
 namespace sherd {

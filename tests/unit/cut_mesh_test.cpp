@@ -1,5 +1,5 @@
 // Closed meshes cut by open surfaces.
-#include "exact/cut_mesh.h"
+#include "intersect/cut_mesh.h"
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>

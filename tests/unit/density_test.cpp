@@ -1,5 +1,5 @@
 // Densities: read from meshes and grids, and what the seeds make of them.
-#include "seed/density.h"
+#include "seed/draw/density.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
@@ -11,7 +11,7 @@
 #include <limits>
 #include <sstream>
 
-#include "base/density_source.h"
+#include "base/text/density_source.h"
 #include "kernels/device_fixture.h"
 #include "mesh_folder.h"
 #include "shapes.h"

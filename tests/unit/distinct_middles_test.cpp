@@ -1,5 +1,5 @@
 // Seeds that walls would give one middle.
-#include "seed/distinct_middles.h"
+#include "seed/draw/distinct_middles.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Surface::exact where some bodies of the input can be cut and others can't: these have smooth
 // surfaces, with the reason.
-#include "surface/exact_by_cluster.h"
+#include "surface/exact/exact_by_cluster.h"
 
 #include <gtest/gtest.h>
 #include <sherd/device.h>
@@ -21,7 +21,7 @@
 #include "folder/mesh_report.h"
 #include "mesh/positions.h"
 #include "shapes.h"
-#include "surface/body_clusters.h"
+#include "surface/exact/body_clusters.h"
 #include "surface/extract.h"
 
 namespace sherd {

@@ -20,15 +20,15 @@
 #include <vector>
 
 #include "appearance/transfer.h"
-#include "exact/self_crossings.h"
-#include "exact/unite.h"
 #include "exact_checks.h"
+#include "intersect/arrange/unite.h"
+#include "intersect/self_crossings.h"
 #include "mesh/positions.h"
-#include "mesh/repair.h"
+#include "mesh/repair/repair.h"
+#include "remesh/bodies.h"
+#include "remesh/parts/part_edges.h"
 #include "shapes.h"
-#include "surface/bodies.h"
-#include "surface/exact_surface.h"
-#include "surface/part_edges.h"
+#include "surface/exact/exact_surface.h"
 
 namespace sherd {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/random.h"
-#include "exact/bounded.h"
-#include "exact/crossing_point.h"
-#include "exact/predicates.h"
+#include "intersect/bounded.h"
+#include "intersect/crossing_point.h"
+#include "intersect/predicates.h"
 
 namespace sherd {
 namespace {

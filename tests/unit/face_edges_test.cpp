@@ -1,5 +1,5 @@
 // Edges of triangles, against maps.
-#include "surface/face_edges.h"
+#include "remesh/face_edges.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Nearly planar regions of crack surfaces.
-#include "surface/facets.h"
+#include "remesh/decimate/facets.h"
 
 #include <gtest/gtest.h>
 

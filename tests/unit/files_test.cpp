@@ -16,7 +16,7 @@
 #include <sstream>
 #include <string>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "cli/held_files.h"
 #include "folder/read_manifest.h"
 #include "formats/voxels/vdb.h"

@@ -1,5 +1,5 @@
 // Triangles that fill loops of edges.
-#include "exact/fill_loops.h"
+#include "remesh/parts/fill_loops.h"
 
 #include <gtest/gtest.h>
 #include <sherd/mesh.h>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "exact/self_crossings.h"
+#include "intersect/self_crossings.h"
 
 namespace sherd {
 namespace {

@@ -1,5 +1,5 @@
 // Solids from meshes of every kind.
-#include "voxelize/fill.h"
+#include "voxelize/fill/fill.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
@@ -28,17 +28,17 @@
 #include <vector>
 
 #include "base/random.h"
-#include "mesh/repair.h"
-#include "mesh/triangle_tree.h"
-#include "mesh/winding_number.h"
-#include "seed/samplers.h"
+#include "mesh/repair/repair.h"
+#include "mesh/search/triangle_tree.h"
+#include "mesh/search/winding_number.h"
+#include "seed/draw/samplers.h"
 #include "shapes.h"
 #include "voxelize/band.h"
 #include "voxelize/canonical_solid.h"
-#include "voxelize/caps.h"
 #include "voxelize/distance.h"
-#include "voxelize/exposed.h"
-#include "voxelize/holes.h"
+#include "voxelize/fill/caps.h"
+#include "voxelize/fill/exposed.h"
+#include "voxelize/fill/holes.h"
 
 namespace sherd {
 namespace {

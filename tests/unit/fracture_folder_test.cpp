@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../temp_folder.h"
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
 #include "folder/partial_folder.h"
 #include "folder/read_manifest.h"
 

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "base/json_text.h"
+#include "base/text/json_text.h"
+#include "cut/leaf_labels.h"
 #include "kernels/device_fixture.h"
 #include "pipeline/fracture_stages.h"
 #include "points/check_points.h"
 #include "shapes.h"
 #include "surface/check_finite.h"
-#include "surface/leaf_labels.h"
 
 namespace sherd {
 namespace {

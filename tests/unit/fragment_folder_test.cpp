@@ -9,7 +9,7 @@
 
 #include "../shapes.h"
 #include "../temp_folder.h"
-#include "base/natural_order.h"
+#include "base/text/natural_order.h"
 
 namespace sherd {
 namespace {

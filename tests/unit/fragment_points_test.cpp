@@ -18,17 +18,17 @@
 #include <vector>
 
 #include "base/random.h"
+#include "cut/cut.h"
 #include "folder/manifest.h"
+#include "interface/contacts.h"
+#include "interface/interface_surface.h"
 #include "kernels/device_fixture.h"
-#include "mesh/triangle_tree.h"
+#include "mesh/search/triangle_tree.h"
 #include "pipeline/fracture_stages.h"
 #include "points/sample_surface.h"
 #include "shapes.h"
-#include "surface/contacts.h"
-#include "surface/cut.h"
 #include "surface/fragment_surfaces.h"
-#include "surface/interface_surface.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -11,10 +11,10 @@
 #include <numbers>
 
 #include "base/random.h"
-#include "grow/guide_sides.h"
+#include "grow/splits/guide_sides.h"
 #include "kernels/voxel_shapes.h"
-#include "mesh/curtain.h"
-#include "mesh/sided_mesh.h"
+#include "mesh/search/curtain.h"
+#include "mesh/search/sided_mesh.h"
 #include "shapes.h"
 
 namespace sherd {

@@ -7,7 +7,7 @@
 #include <random>
 #include <thread>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "formats/arrays/hdf5_file.h"
 #include "temp_folder.h"
 

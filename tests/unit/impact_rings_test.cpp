@@ -17,7 +17,7 @@
 #include "kernels/voxel_shapes.h"
 #include "pipeline/fracture_stages.h"
 #include "shapes.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

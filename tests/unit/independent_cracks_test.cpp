@@ -1,5 +1,5 @@
 // Fragments that are meshed independently: where the vertices of their cracks are.
-#include "surface/independent_cracks.h"
+#include "remesh/independent_cracks.h"
 
 #include <gtest/gtest.h>
 #include <sherd/fracture.h>

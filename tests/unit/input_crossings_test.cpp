@@ -1,12 +1,12 @@
 // Crossings of a leaf's edges, found at once and one by one.
-#include "surface/input_crossings.h"
+#include "interface/cells/input_crossings.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 
+#include "cut/intact_labels.h"
+#include "interface/cells/cell_values.h"
 #include "shapes.h"
-#include "surface/cell_values.h"
-#include "surface/intact_labels.h"
 
 namespace sherd {
 namespace {

@@ -14,15 +14,15 @@
 
 #include "base/random.h"
 #include "contact_boundaries.h"
+#include "interface/cells/cell.h"
+#include "interface/cells/creases.h"
+#include "interface/interface_mesh.h"
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
+#include "remesh/independent_cracks.h"
 #include "shapes.h"
-#include "surface/cell.h"
-#include "surface/creases.h"
-#include "surface/independent_cracks.h"
-#include "surface/interface_mesh.h"
 #include "voxelize/distance.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -17,12 +17,12 @@
 #include <utility>
 #include <vector>
 
-#include "exact/self_crossings.h"
+#include "intersect/self_crossings.h"
 #include "kernels/device_fixture.h"
-#include "mesh/bodies_apart.h"
 #include "mesh/positions.h"
+#include "mesh/repair/bodies_apart.h"
+#include "remesh/bodies.h"
 #include "shapes.h"
-#include "surface/bodies.h"
 
 namespace sherd {
 namespace {

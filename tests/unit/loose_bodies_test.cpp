@@ -1,5 +1,5 @@
 // Bodies of fragments that no crack connects to the rest.
-#include "surface/loose_bodies.h"
+#include "remesh/parts/loose_bodies.h"
 
 #include <gtest/gtest.h>
 #include <sherd/device.h>

@@ -1,5 +1,5 @@
 // Closed meshes whose sheets touch, with vertices for each sheet.
-#include "surface/manifold.h"
+#include "remesh/manifold.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "base/option_names.h"
+#include "base/text/option_names.h"
 #include "folder/file_names.h"
 #include "folder/read_manifest.h"
 

@@ -1,5 +1,5 @@
 // Sheets of a fragment that touch along edges, and are moved apart there.
-#include "surface/part_edges.h"
+#include "remesh/parts/part_edges.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "exact/self_crossings.h"
+#include "intersect/self_crossings.h"
 #include "mesh/positions.h"
 #include "shapes.h"
 

@@ -17,7 +17,7 @@
 
 #include "../shapes.h"
 #include "base/half_float.h"
-#include "mesh/nearest_on_triangle.h"
+#include "mesh/search/nearest_on_triangle.h"
 
 namespace sherd {
 namespace {

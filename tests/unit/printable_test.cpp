@@ -1,5 +1,5 @@
 // Text on a terminal.
-#include "base/printable.h"
+#include "base/text/printable.h"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,15 @@
 // Crossings of quads against those of all pairs of triangles.
-#include "surface/quad_crossings.h"
+#include "interface/cells/quad_crossings.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "exact/self_crossings.h"
-#include "exact/sort_unique.h"
-#include "mesh/boxes.h"
-#include "surface/cell_set.h"
+#include "base/sort_unique.h"
+#include "interface/cells/cell_set.h"
+#include "intersect/self_crossings.h"
+#include "mesh/search/boxes.h"
 
 namespace sherd {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "folder/rounding.h"
-#include "seed/density.h"
+#include "seed/draw/density.h"
 #include "shapes.h"
 
 namespace sherd {

@@ -1,5 +1,5 @@
 // Triangles that cross each other once they are rounded.
-#include "exact/rounded_crossings.h"
+#include "clean/rounded_crossings.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Borders of attributes on fragments against the seams of the input, which are known lines.
-#include "surface/seam_cuts.h"
+#include "remesh/seam_cuts.h"
 
 #include <gtest/gtest.h>
 #include <sherd/fracture.h>
@@ -16,9 +16,9 @@
 
 #include "appearance/transfer.h"
 #include "kernels/device_fixture.h"
-#include "mesh/charts.h"
-#include "mesh/seams.h"
-#include "mesh/triangle_tree.h"
+#include "mesh/attributes/charts.h"
+#include "mesh/attributes/seams.h"
+#include "mesh/search/triangle_tree.h"
 #include "points/sample_surface.h"
 #include "shapes.h"
 

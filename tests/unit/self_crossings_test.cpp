@@ -1,5 +1,5 @@
 // Crossing triangles, against clipping in rational numbers.
-#include "exact/self_crossings.h"
+#include "intersect/self_crossings.h"
 
 #include <gtest/gtest.h>
 

@@ -10,9 +10,9 @@
 #include <set>
 #include <vector>
 
-#include "mesh/triangle_tree.h"
+#include "mesh/search/triangle_tree.h"
 #include "shapes.h"
-#include "voxelize/leaf_blocks.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

@@ -1,5 +1,5 @@
 // Sheets with a thickness, as closed meshes.
-#include "surface/shell_mesh.h"
+#include "remesh/parts/shell_mesh.h"
 
 #include <gtest/gtest.h>
 #include <sherd/device.h>
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <vector>
 
-#include "exact/self_crossings.h"
+#include "intersect/self_crossings.h"
 #include "mesh/edges.h"
 #include "shapes.h"
 

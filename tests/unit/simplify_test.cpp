@@ -13,8 +13,8 @@
 #include <tuple>
 #include <vector>
 
-#include "exact/self_crossings.h"
-#include "mesh/flat_share.h"
+#include "intersect/self_crossings.h"
+#include "mesh/repair/flat_share.h"
 #include "mesh_checks.h"
 #include "shapes.h"
 

@@ -1,5 +1,5 @@
 // The cut between Voronoi cells, against planes.
-#include "surface/site_cut.h"
+#include "cut/site_cut.h"
 
 #include <gtest/gtest.h>
 

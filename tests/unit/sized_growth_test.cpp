@@ -9,10 +9,10 @@
 #include <numeric>
 #include <set>
 
-#include "grow/shares.h"
+#include "grow/sized/shares.h"
 #include "kernels/device_fixture.h"
 #include "kernels/grow_reference.h"
-#include "seed/sizes.h"
+#include "seed/draw/sizes.h"
 #include "shapes.h"
 #include "size_estimators.h"
 

@@ -1,5 +1,5 @@
 // Shares drawn from distributions of sizes, against estimators of their parameters.
-#include "seed/sizes.h"
+#include "seed/draw/sizes.h"
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>

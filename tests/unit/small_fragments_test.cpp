@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "folder/small_pieces.h"
-#include "grow/raise_small.h"
+#include "grow/sized/raise_small.h"
 #include "kernels/voxel_shapes.h"
 #include "shapes.h"
 #include "unit/erode_reference.h"

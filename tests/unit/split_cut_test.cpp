@@ -1,5 +1,5 @@
 // The cut between pieces that were split, against planes.
-#include "surface/split_cut.h"
+#include "cut/split_cut.h"
 
 #include <gtest/gtest.h>
 #include <sherd/fracture.h>

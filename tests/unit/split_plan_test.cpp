@@ -1,5 +1,5 @@
 // Shares and planes of splits against what they mean.
-#include "grow/split_plan.h"
+#include "grow/sized/split_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "grow/split_wall.h"
+#include "grow/splits/split_wall.h"
 
 namespace sherd {
 namespace {

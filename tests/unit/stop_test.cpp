@@ -18,25 +18,25 @@
 #include <utility>
 #include <vector>
 
-#include "base/atomic_file.h"
-#include "base/unfinished.h"
+#include "base/files/atomic_file.h"
+#include "base/files/unfinished.h"
 #include "cli/held_files.h"
+#include "cut/cut.h"
 #include "formats/voxels/voxel_faces.h"
-#include "mesh/repair.h"
+#include "interface/cells/creases.h"
+#include "interface/interface_mesh.h"
+#include "mesh/repair/repair.h"
+#include "remesh/complex.h"
+#include "remesh/decimate/decimate.h"
 #include "shapes.h"
-#include "surface/complex.h"
-#include "surface/creases.h"
-#include "surface/cut.h"
-#include "surface/decimate.h"
 #include "surface/extract.h"
-#include "surface/interface_mesh.h"
 #include "temp_folder.h"
 #include "voxelize/band.h"
-#include "voxelize/bridges.h"
-#include "voxelize/flood.h"
-#include "voxelize/generalized_winding.h"
-#include "voxelize/leaf_blocks.h"
-#include "voxelize/winding.h"
+#include "voxelize/bodies/bridges.h"
+#include "voxelize/fill/flood.h"
+#include "voxelize/fill/generalized_winding.h"
+#include "voxelize/fill/winding.h"
+#include "voxelize/leaves/leaf_blocks.h"
 
 namespace sherd {
 namespace {

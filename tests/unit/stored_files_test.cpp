@@ -16,10 +16,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/appended_file.h"
-#include "base/atomic_file.h"
+#include "base/files/appended_file.h"
+#include "base/files/atomic_file.h"
+#include "base/files/sha256.h"
 #include "base/random.h"
-#include "base/sha256.h"
 #include "dataset/archive.h"
 #include "dataset/byte_blocks.h"
 #include "dataset/store.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <sherd/error.h>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "dataset/hdf5_part.h"
 #include "dataset/pfpp_matches.h"
 #include "temp_folder.h"

@@ -1,5 +1,5 @@
 // The constrained triangulation of one triangle.
-#include "exact/triangulate.h"
+#include "intersect/triangulate.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The union of the bodies of one mesh.
-#include "exact/unite.h"
+#include "intersect/arrange/unite.h"
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>
@@ -17,13 +17,13 @@
 #include <utility>
 #include <vector>
 
-#include "exact/arrangement.h"
-#include "exact/self_crossings.h"
-#include "mesh/boxes.h"
-#include "mesh/near_boxes.h"
-#include "mesh/triangle_tree.h"
+#include "intersect/arrange/arrangement.h"
+#include "intersect/self_crossings.h"
+#include "mesh/search/boxes.h"
+#include "mesh/search/near_boxes.h"
+#include "mesh/search/triangle_tree.h"
+#include "remesh/bodies.h"
 #include "shapes.h"
-#include "surface/bodies.h"
 
 namespace sherd {
 namespace {

@@ -15,7 +15,7 @@
 #include <random>
 
 #include "formats/voxels/voxel_faces.h"
-#include "mesh/winding_number.h"
+#include "mesh/search/winding_number.h"
 #include "shapes.h"
 #include "temp_folder.h"
 

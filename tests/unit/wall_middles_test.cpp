@@ -16,7 +16,7 @@
 
 #include "kernels/device_fixture.h"
 #include "pipeline/fracture_stages.h"
-#include "seed/wall.h"
+#include "seed/draw/wall.h"
 #include "shapes.h"
 #include "voxelize/wall_normals.h"
 

@@ -1,5 +1,5 @@
 // Walls of plates, shells and balls, whose middle and normals are known.
-#include "seed/wall.h"
+#include "seed/draw/wall.h"
 
 #include <gtest/gtest.h>
 #include <sherd/labels.h>
@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "grow/crack_areas.h"
+#include "grow/sized/crack_areas.h"
 #include "kernels/device_fixture.h"
 #include "pipeline/fracture_stages.h"
 #include "shapes.h"

@@ -1,5 +1,5 @@
 // Exact winding numbers of voxel columns.
-#include "voxelize/winding.h"
+#include "voxelize/fill/winding.h"
 
 #include <gtest/gtest.h>
 #include <sherd/files.h>
@@ -12,10 +12,10 @@
 #include <memory>
 #include <random>
 
-#include "mesh/winding_in_ball.h"
+#include "mesh/search/winding_in_ball.h"
 #include "shapes.h"
-#include "voxelize/caps.h"
-#include "voxelize/generalized_winding.h"
+#include "voxelize/fill/caps.h"
+#include "voxelize/fill/generalized_winding.h"
 
 namespace sherd {
 namespace {

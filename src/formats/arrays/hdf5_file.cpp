@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "base/input_error.h"
 #include "formats/arrays/hdf5_library.h"
 

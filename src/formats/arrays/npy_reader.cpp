@@ -13,11 +13,11 @@
 #include <cmath>
 #include <limits>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "base/half_float.h"
 #include "base/input_error.h"
 #include "base/little_endian.h"
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 
 namespace sherd {
 namespace {

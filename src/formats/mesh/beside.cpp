@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "base/below_folder.h"
-#include "base/file_bytes.h"
-#include "base/text_scan.h"
+#include "base/files/below_folder.h"
+#include "base/files/file_bytes.h"
+#include "base/text/text_scan.h"
 
 namespace sherd {
 

@@ -6,7 +6,7 @@
 
 #include "base/union_find.h"
 #include "mesh/vertex_normals.h"
-#include "surface/face_edges.h"
+#include "remesh/face_edges.h"
 
 namespace sherd {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/beside.h"
 #include "formats/mesh/gltf_texture_uses.h"
 

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <utility>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
+#include "base/files/parsed_json.h"
 #include "base/little_endian.h"
-#include "base/parsed_json.h"
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/beside.h"
 
 namespace sherd {

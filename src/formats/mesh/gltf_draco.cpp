@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 
 namespace sherd {
 namespace {

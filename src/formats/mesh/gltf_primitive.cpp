@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "formats/mesh/gltf_accessor.h"
 #include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_draco.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/gltf_texture_uses.h"
 
 namespace sherd {

@@ -7,8 +7,8 @@
 #include <set>
 #include <string_view>
 
-#include "base/number_text.h"
-#include "base/safe_name.h"
+#include "base/text/number_text.h"
+#include "base/text/safe_name.h"
 #include "formats/mesh/gltf_material.h"
 
 namespace sherd {

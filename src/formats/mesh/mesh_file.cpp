@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/file_bytes.h"
-#include "base/formatted.h"
-#include "base/safe_name.h"
-#include "base/text_scan.h"
+#include "base/files/file_bytes.h"
+#include "base/text/formatted.h"
+#include "base/text/safe_name.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/piece_mesh.h"
 #include "mesh/single_rounding.h"
 

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/byte_source.h"
+#include "base/files/byte_source.h"
 #include "formats/mesh/contradictions.h"
 
 namespace sherd {

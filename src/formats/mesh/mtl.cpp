@@ -9,7 +9,7 @@
 #include <glm/common.hpp>
 #include <utility>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/gltf_material.h"
 
 namespace sherd {

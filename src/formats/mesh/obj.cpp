@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "base/number_text.h"
+#include "base/text/number_text.h"
 #include "formats/mesh/faces.h"
 #include "formats/mesh/piece_mesh.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 
 namespace sherd {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/little_endian.h"
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/mesh_reader.h"
 
 namespace sherd {

@@ -22,8 +22,8 @@
 #include <string>
 #include <utility>
 
-#include "base/text_scan.h"
-#include "base/unfinished.h"
+#include "base/files/unfinished.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/beside.h"
 #include "formats/mesh/mesh_stream.h"
 #include "formats/mesh/stated_coordinates.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/gltf_accessor.h"
 #include "formats/mesh/gltf_attributes.h"
 #include "formats/mesh/gltf_document.h"

@@ -16,11 +16,11 @@
 #include <string_view>
 #include <utility>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
+#include "base/files/sha256.h"
 #include "base/little_endian.h"
-#include "base/lower_case.h"
-#include "base/sha256.h"
-#include "base/text_scan.h"
+#include "base/text/lower_case.h"
+#include "base/text/text_scan.h"
 #include "base/threads.h"
 #include "formats/mesh/contradictions.h"
 #include "formats/mesh/merge.h"

@@ -15,7 +15,7 @@
 #include "formats/mesh/mtl.h"
 #include "formats/mesh/obj_lines.h"
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colors.h"
+#include "mesh/attributes/colors.h"
 
 namespace sherd {
 namespace {

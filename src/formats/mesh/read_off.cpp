@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colors.h"
+#include "mesh/attributes/colors.h"
 
 namespace sherd {
 namespace {

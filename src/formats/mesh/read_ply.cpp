@@ -11,7 +11,7 @@
 #include "formats/mesh/beside.h"
 #include "formats/mesh/ply_body.h"
 #include "formats/mesh/polygon_mesh.h"
-#include "mesh/colors.h"
+#include "mesh/attributes/colors.h"
 
 namespace sherd {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "base/little_endian.h"
-#include "base/lower_case.h"
-#include "base/text_scan.h"
+#include "base/text/lower_case.h"
+#include "base/text/text_scan.h"
 
 namespace sherd {
 namespace {

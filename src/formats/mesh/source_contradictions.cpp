@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
-#include "base/parsed_json.h"
+#include "base/files/parsed_json.h"
 #include "formats/mesh/contradictions.h"
 
 namespace sherd {

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "formats/arrays/zip_reader.h"
 
 namespace sherd {

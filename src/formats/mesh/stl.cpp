@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "base/little_endian.h"
-#include "base/number_text.h"
-#include "base/safe_name.h"
+#include "base/text/number_text.h"
+#include "base/text/safe_name.h"
 #include "formats/mesh/piece_mesh.h"
 
 namespace sherd {

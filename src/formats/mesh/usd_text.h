@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/number_text.h"
+#include "base/text/number_text.h"
 #include "formats/mesh/materials.h"
 
 namespace sherd {

@@ -10,7 +10,7 @@
 
 #include "base/half_float.h"
 #include "base/little_endian.h"
-#include "base/number_text.h"
+#include "base/text/number_text.h"
 #include "formats/arrays/npz.h"
 #include "formats/points/octree_stream.h"
 #include "formats/points/write_blocks.h"

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <iterator>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "base/input_error.h"
-#include "base/lower_case.h"
-#include "base/option_names.h"
-#include "base/text_scan.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_names.h"
+#include "base/text/text_scan.h"
 #include "formats/arrays/npy_reader.h"
 #include "formats/mesh/ply_body.h"
 #include "formats/points/parse_points.h"

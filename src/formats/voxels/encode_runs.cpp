@@ -5,7 +5,7 @@
 #include <cassert>
 
 #include "formats/voxels/voxel_runs.h"
-#include "grow/check_labels.h"
+#include "grow/fields/check_labels.h"
 
 namespace sherd {
 namespace {

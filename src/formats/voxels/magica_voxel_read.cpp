@@ -12,7 +12,7 @@
 
 #include "base/input_error.h"
 #include "base/little_endian.h"
-#include "base/text_scan.h"
+#include "base/text/text_scan.h"
 #include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_runs.h"
 

@@ -19,7 +19,7 @@
 #include <streambuf>
 #include <utility>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "base/input_error.h"
 #include "base/memory.h"
 #include "base/memory_budget.h"

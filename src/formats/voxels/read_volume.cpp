@@ -10,17 +10,17 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
+#include "base/files/sha256.h"
 #include "base/input_error.h"
-#include "base/lower_case.h"
 #include "base/memory.h"
-#include "base/sha256.h"
+#include "base/text/lower_case.h"
 #include "formats/voxels/vdb.h"
 #include "formats/voxels/voxel_faces.h"
 #include "mesh/joined.h"
 #include "pipeline/memory_estimate.h"
-#include "surface/mesh.h"
 #include "voxelize/distance.h"
+#include "voxelize/level_set_mesh.h"
 
 namespace sherd {
 namespace {

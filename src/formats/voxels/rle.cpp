@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <string>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "base/input_error.h"
 #include "base/little_endian.h"
 #include "base/memory_budget.h"

@@ -8,12 +8,12 @@
 #include <array>
 #include <sstream>
 
-#include "base/atomic_file.h"
+#include "base/files/atomic_file.h"
 #include "base/version.h"
+#include "cut/level_set.h"
 #include "formats/voxels/vdb_unit.h"
-#include "grow/check_labels.h"
+#include "grow/fields/check_labels.h"
 #include "mesh/principal_inertia.h"
-#include "surface/level_set.h"
 #include "voxelize/distance.h"
 
 namespace sherd {

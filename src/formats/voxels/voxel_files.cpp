@@ -4,10 +4,10 @@
 #include <array>
 #include <utility>
 
-#include "base/file_bytes.h"
+#include "base/files/file_bytes.h"
 #include "base/input_error.h"
-#include "base/lower_case.h"
-#include "base/option_names.h"
+#include "base/text/lower_case.h"
+#include "base/text/option_names.h"
 #include "formats/voxels/parse_voxels.h"
 #include "formats/voxels/voxel_encoders.h"
 #include "formats/voxels/voxel_runs.h"

@@ -1,0 +1,64 @@
+// Host side of kernels/rough.cl.
+#include "grow/fields/rough.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+namespace sherd {
+namespace {
+
+// Returns how many leaves away a walk can end.
+std::uint32_t leavesReached(std::span<const std::int32_t> amplitudes) {
+  std::int64_t longest = 128;  // 1/256 voxel; 128 rounds to the nearest voxel
+  for (const std::int32_t amplitude : amplitudes) longest += std::abs(std::int64_t{amplitude}) + 1;
+  return static_cast<std::uint32_t>((longest / 256 + 7) / 8);
+}
+
+// Per-leaf data that shortens walks.
+struct LeafSummaries {
+  DeviceBuffer
+      uniformRings;   // [items] rings of leaves with at most one label, the leaf itself first
+  DeviceBuffer full;  // [items] 1: all voxels are inside
+};
+
+LeafSummaries summarizeLeaves(GrowthState& state, const DeviceLabels& labels, std::uint32_t reach) {
+  constexpr std::uint32_t kMaxRings = 16;  // a leaf with a longer walk counts as near a crack
+  LeafSummaries leaves{state.filled<std::uint32_t>(state.items, 0),
+                       makeBuffer<std::uint32_t>(state.device, state.items)};
+  DeviceBuffer single = makeBuffer<std::uint32_t>(state.device, state.items);
+  DeviceBuffer wider = makeBuffer<std::uint32_t>(state.device, state.items);
+  state.run("rough_leaves", state.items, state.inside, state.leafCount, state.items, labels.owner,
+            labels.tag, labels.second, single, leaves.full);
+  for (std::uint32_t ring = 0; ring <= std::min(reach, kMaxRings); ++ring) {
+    state.run("rough_rings", state.items, state.neighbors27(), state.leafCount, state.items, ring,
+              single, wider, leaves.uniformRings);
+    std::swap(single, wider);
+  }
+  return leaves;
+}
+
+}  // namespace
+
+DeviceBuffer roughened(GrowthState& state, const DeviceLabels& labels, const SeedTable& seeds,
+                       std::span<const std::uint64_t> noiseSeeds, const NoiseOctaves& octaves) {
+  const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
+  const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, octaves.amplitude);
+  const DeviceBuffer step = uploadBuffer<std::int64_t>(state.device, octaves.step);
+  const DeviceBuffer propagationStep =
+      uploadBuffer<std::int64_t>(state.device, octaves.propagationStep);
+  const DeviceBuffer out = makeBuffer<std::uint16_t>(state.device, state.voxels());
+  const LeafSummaries leaves = summarizeLeaves(state, labels, leavesReached(octaves.amplitude));
+  state.run("rough", state.items, state.inside, state.neighbor, state.neighbors27(), state.origin(),
+            state.leafCount, state.items, noise, step, propagationStep, octaves.propagation,
+            amplitude, octaves.first, static_cast<std::int32_t>(octaves.step.size()),
+            leaves.uniformRings, leaves.full, labels.owner, labels.tag, labels.second, out);
+
+  const PrimarySeeds primaries = primariesOf(state, seeds);
+  state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,
+            primaries.count, out);
+  state.device.finish();  // the local buffers are released here
+  return out;
+}
+
+}  // namespace sherd

@@ -1,0 +1,16 @@
+// Rough cracks.  Method: kernels/rough.cl.
+#pragma once
+
+#include "grow/fields/growth_state.h"
+#include "grow/fields/relief.h"
+
+namespace sherd {
+
+/// Give every voxel the label at the end of its displacement; primary seeds keep their label.
+///   noiseSeeds  [fractures]
+[[nodiscard]] DeviceBuffer roughened(GrowthState& state, const DeviceLabels& labels,
+                                     const SeedTable& seeds,
+                                     std::span<const std::uint64_t> noiseSeeds,
+                                     const NoiseOctaves& octaves);
+
+}  // namespace sherd
