@@ -302,6 +302,45 @@ class Look(CommandLine):
             reported = json.loads(self.run_sherd("inspect", self.at(path), "--json").stdout)
             self.assertEqual((reported["closed"], reported["boundary_edges"], reported["triangles"]), (True, 0, len(f)))
 
+    def test_stl_and_binm_have_the_same_levels(self):
+        """The triangles of the .ply files, of the whole and the decimated meshes, as these formats hold them."""
+        self.done("--write", "mesh", "--mesh-format", "ply,stl,binm", "--triangles", "300", mesh=self.drum())
+        for piece in self.pieces()["fragments"]:
+            for ply, stl, binm in (piece["files"]["mesh"], piece["decimated"][0]["file"]):
+                _, v, f = read_ply(self.at(ply))
+                expected = surface(columns(v, "x", "y", "z").astype(np.float32)[f["vertex_indices"]])
+                with open(self.at(stl), "rb") as file:
+                    data = file.read()
+                count, = struct.unpack_from("<I", data, 80)
+                facets = np.frombuffer(data, np.dtype([("numbers", "<f4", (4, 3)), ("attribute", "<u2")]), count, 84)
+                self.assertEqual((len(data), surface(facets["numbers"][:, 1:])), (84 + 50 * count, expected))
+                with open(self.at(binm), "rb") as file:
+                    data = file.read()
+                vertices, = struct.unpack_from("<I", data)
+                faces, = struct.unpack_from("<I", data, 4 + 64 * vertices)
+                at = np.frombuffer(data, "<f4", 16 * vertices, 4).reshape(-1, 16)[:, :3]
+                corners = np.frombuffer(data, "<u4", 4 * faces, 8 + 64 * vertices).reshape(-1, 4)[:, :3]
+                self.assertEqual((len(data), surface(at[corners])), (8 + 64 * vertices + 16 * faces, expected))
+
+    def test_a_scene_has_colors_and_coordinates_at_each_level(self):
+        """Those of the pieces' own .glb files, which test_all_formats_agree compares with the input."""
+        self.done("--write", "mesh,scene", "--mesh-format", "glb", "--triangles", "300", mesh=self.drum())
+        scene = Glb(self, self.at("scene.glb"))
+        for i, piece in enumerate(self.pieces()["fragments"]):
+            first = scene.physics(i)["collider"]["geometry"]["node"]
+            levels = [first, *scene.json["nodes"][first]["extensions"]["MSFT_lod"]["ids"]]
+            names = [piece["files"]["mesh"], piece["decimated"][0]["file"]]
+            self.assertEqual(len(levels), len(names))
+            for level, name in zip(levels, names):
+                mine, own = (list(file.primitives(mesh)) for file, mesh in ((scene, scene.json["nodes"][level]["mesh"]), (Glb(self, self.at(name)), 0)))
+                self.assertEqual([m["name"] for m, _, _ in mine], [m["name"] for m, _, _ in own])
+                for (_, triangles, attributes), (_, others, of) in zip(mine, own):
+                    np.testing.assert_array_equal(triangles, others)
+                    for key in ("COLOR_0", "TEXCOORD_0"):
+                        np.testing.assert_array_equal(attributes[key], of[key])
+                    at = attributes["POSITION"] + np.array(scene.json["nodes"][i]["translation"])
+                    np.testing.assert_allclose(at, of["POSITION"], atol=1e-6)
+
     def test_plain_meshes(self):
         self.done("--write", "mesh", "--mesh-format", "ply,obj,glb")
         for piece in self.pieces()["fragments"]:

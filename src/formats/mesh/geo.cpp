@@ -192,8 +192,8 @@ class Detail {
 
 std::string geoName(int id) { return "piece" + std::to_string(id); }
 
-void writeGeo(const OutputFile& file, std::span<const GeoPiece> pieces, bool plain,
-              const Progress* progress) {
+void writeGeo(const OutputFile& file, std::span<const GeoPiece> pieces, const Progress* progress,
+              bool plain) {
   file.write([&](const ByteSink& sink) { Detail(pieces, plain, sink, progress).write(); });
 }
 

@@ -30,7 +30,7 @@ struct GeoPiece {
 ///   plain   points, triangles, `name` and the attributes of Unreal only
 ///   source  GeoText; SideFX's Houdini Engine for Unreal, "Geometry Collections"
 ///   throws  Error(output); Error(cancelled)
-void writeGeo(const OutputFile& file, std::span<const GeoPiece> pieces, bool plain = false,
-              const Progress* progress = nullptr);
+void writeGeo(const OutputFile& file, std::span<const GeoPiece> pieces,
+              const Progress* progress = nullptr, bool plain = false);
 
 }  // namespace sherd
