@@ -223,10 +223,14 @@ std::vector<std::string> removeDataset(const fs::path& folder, const fs::path& o
       sentences.push_back(name.string() + ": is no file of the dataset, and lies in " +
                           kept.string() + " now");
   }
-  for (const std::string& name : own) {
-    if (name != kPlanName) removeOwn(folder, name);
+  // The journals and then the plan last: they say what the others are.
+  const auto isJournal = [](const std::string& name) { return name.ends_with(".jsonl"); };
+  for (const bool journals : {false, true}) {
+    for (const std::string& name : own) {
+      if (name != kPlanName && isJournal(name) == journals) removeOwn(folder, name);
+    }
   }
-  removeOwn(folder, kPlanName);  // last: it says what the others are
+  removeOwn(folder, kPlanName);
   removeEmptyFolders(folder);
   return sentences;
 }

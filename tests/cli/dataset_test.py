@@ -788,10 +788,10 @@ class Replacing(Dataset):
         super().setUp()
         self.old = "--pieces", "2..2", *self.SMALL
 
-    def expected(self, *arguments):
+    def expected(self, *arguments, **more):
         """The dataset that another folder gets by these options."""
         out = self.path("expected")
-        self.done(*arguments, out=out)
+        self.done(*arguments, out=out, **more)
         found = dataset(out)
         shutil.rmtree(out)
         return found
@@ -950,6 +950,24 @@ class Replacing(Dataset):
                 self.others_are_there(["ball/notes.txt"])
                 found = dataset(self.out)
                 self.assertEqual({n: s for n, s in found.items() if n not in ("ball/", "ball/notes.txt")}, whole)
+
+    def test_a_kill_while_the_old_one_is_removed_leaves_nothing_of_it(self):
+        library = self.path("many")
+        os.makedirs(library)
+        for i in range(12):
+            write_obj(os.path.join(library, f"ball{i}.obj"), sphere(radius=1 + i))
+        options = ("--pieces", "2..2", *self.SMALL[:-2])
+        self.done(*options, library=library)
+        whole = self.expected(*options, "--seed", "7", library=library)
+        for seed in ("7", "8", "7"):
+            run = subprocess.Popen([SHERD, "dataset", library, "-o", self.out, *small((*options, "--seed", seed, "--replace"))],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while run.poll() is None and not os.path.exists(os.path.join(self.out, ".sherd-replacing", "old", "journal")):
+                pass
+            run.kill()
+            run.wait()
+            self.done(*options, "--seed", seed, "--replace", library=library)
+        self.assertEqual(dataset(self.out), whole)
 
     def test_changed_meshes_are_broken_again(self):
         """A replacement that is continued takes meshes as they are now."""
