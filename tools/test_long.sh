@@ -179,6 +179,10 @@ meshes=(data/amphora.ply)
   ADIS16480.STL; do meshes+=("$SHERD_TEST_DATA/$name"); done
 build/python/venv/bin/python -B tests/long/python_meshes.py "${meshes[@]}"
 
+echo "== fractures broken again five times over, in files of each format, by five processes and by one"
+build/python/venv-torch/bin/pip install -q --disable-pip-version-check pillow==13.0.0
+SHERD_BIN=$PWD/build/release/sherd SHERD_DATA=$PWD/data OCL_ICD_VENDORS=pocl.icd build/python/venv-torch/bin/python -B tests/long/again_formats.py
+
 echo "== a network that is trained on fractures made meanwhile, with three seeds"
 build/python/venv-torch/bin/python -B tests/long/training.py
 

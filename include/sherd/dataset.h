@@ -122,6 +122,7 @@ struct DatasetOptions {
   LibraryOptions library{};
   Shard shard{};
   bool resume = false;
+  bool replace = false;  ///< a dataset that is there, once the new one is complete
   bool viewers = false;  ///< a page of the viewer for each fracture that the report shows
   double objectTimeout = std::numeric_limits<double>::infinity();  ///< seconds
   std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max();
@@ -175,7 +176,12 @@ struct DatasetSummary {
 /// device in order, and the other stages run for several fractures in parallel.  Each finished
 /// fracture is recorded, so the same call with `resume` continues a run that ended for any reason
 /// and produces the same files.
-///   out      absent, empty, or with `resume` a run with the same identity (datasetIdentity);
+/// With `replace` the dataset in `out` is made anew: beside it, in out/.sherd-replacing, which is
+/// renamed into its place when it is complete, by the merge where there are shards.  Then the files
+/// of the old one are removed, and no others.  The same call continues a replacement that ended for
+/// any reason; until it is complete the old dataset is as it was.
+///   out      absent, empty, with `replace` any dataset, or with `resume` a run with the same
+///            identity (datasetIdentity);
 ///            neither inside the library nor a parent of it.  Nothing outside it is changed:
 ///            symbolic links in it are refused
 ///   throws   Error(usage) another identity, an option out of range; Error(input) no library;

@@ -57,7 +57,7 @@ LoadedPieces::LoadedPieces(const std::string& folder)
   }
 }
 
-VoxelIds LoadedPieces::labels(const Progress&) {
+VoxelIds LoadedPieces::labels(const sherd::Progress&) {
   for (const char* name : {"labels.rle", "labels.npy", "labels.npz", "labels.qstack"}) {
     if (std::find(manifest_.files.begin(), manifest_.files.end(), name) == manifest_.files.end()) {
       continue;

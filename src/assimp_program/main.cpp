@@ -1,7 +1,7 @@
 // sherd-assimp: reads a mesh on standard input by Assimp and writes it to standard output as
 // src/formats/mesh/mesh_stream.h has it, for readByAssimp().  A crash here does not end Sherd.
 //
-// usage: sherd-assimp fbx|dae|3mf MEMORY_MIB CPU_SECONDS
+// usage: sherd-assimp fbx|dae MEMORY_MIB CPU_SECONDS
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -41,7 +41,7 @@ int refuse(const std::string& why) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) return refuse("usage: sherd-assimp fbx|dae|3mf MEMORY_MIB CPU_SECONDS");
+  if (argc != 4) return refuse("usage: sherd-assimp fbx|dae MEMORY_MIB CPU_SECONDS");
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // end with the parent process
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_AS, std::strtoull(argv[2], nullptr, 10) << 20);

@@ -52,7 +52,12 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
 }
 
 void runDatasetCommand(DatasetArguments& arguments) {
-  if (!arguments.dryRun) setInterruptedState("go on with the same command and --resume");
+  if (!arguments.dryRun) {
+    setInterruptedState(arguments.options.replace
+                            ? arguments.folder + " keeps its dataset until the new one is " +
+                                  "complete; go on with the same command"
+                            : "go on with the same command and --resume");
+  }
   prepareDevice(arguments.machine);
   DatasetOptions& options = arguments.options;
   options.maxMemory = arguments.machine.memory();
@@ -73,7 +78,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
     }
     // Before the run writes them anew.  Whoever removes one wants that.
     std::vector<std::string> changed;
-    if (arguments.verify) changed = changedOwnFiles(arguments.folder, false);
+    if (arguments.verify && !options.replace) changed = changedOwnFiles(arguments.folder, false);
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, callbacks);
     if (summary.objects == 0 && summary.failures > 0) {
@@ -186,7 +191,7 @@ std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArg
         "--compress zstd is the same as zip with --layout packed, which deflates archives");
   }
   addIdleOfLayout(layout, use, sentences);
-  for (const char* option : {"verify", "resume"}) {
+  for (const char* option : {"verify", "resume", "replace"}) {
     if (arguments.dryRun && use.isGiven(option)) {
       sentences.push_back(use.spelled(option) +
                           " does nothing with --dry-run, which writes no dataset");
@@ -207,8 +212,10 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
           "A folder of meshes, with all below it, one mesh, or a text file with a path a line")
       ->required();
   command
-      ->add_option("-o,--output", arguments->folder,
-                   "Folder for the dataset: absent, empty, or with --resume an unfinished one")
+      ->add_option(
+          "-o,--output", arguments->folder,
+          "Folder for the dataset: absent, empty, with --resume an unfinished one, or with "
+          "--replace any dataset")
       ->type_name("DIR")
       ->required();
   addDatasetOptions(*command, arguments->options);

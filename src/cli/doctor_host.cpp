@@ -150,8 +150,7 @@ void addAssimp(Diagnosis& diagnosis) {
       {"reads", fault.is_null()},
       {"fault", fault}};
   if (!fault.is_null())
-    diagnosis.problems.push_back("FBX, DAE and 3MF files cannot be read: " +
-                                 fault.get<std::string>());
+    diagnosis.problems.push_back("FBX and DAE files cannot be read: " + fault.get<std::string>());
 }
 
 }  // namespace

@@ -73,6 +73,23 @@ std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,
           "; loaders read an empty list without an error"};
 }
 
+std::vector<std::string> bbListNames(const std::vector<std::string>& folders) {
+  std::set<std::string> subsets(kKnownSubsets.begin(), kKnownSubsets.end());
+  for (const std::string& folder : folders) subsets.insert(folder.substr(0, folder.find('/')));
+  const std::string splits = std::string(kBbSplitFolder) + "/";
+  const std::string lists = std::string(kBbListFolder) + "/";
+  std::vector<std::string> names;
+  for (const std::string split : kSplits) {
+    names.push_back(splits + split + ".txt");
+    for (const std::string& subset : subsets) {
+      for (const std::string& prefix : {std::string(), splits})
+        names.push_back(prefix + subset + "." + split + ".txt");
+      names.push_back(lists + subset + "_" + split + ".txt");
+    }
+  }
+  return names;
+}
+
 std::vector<std::string> writeBbLists(const fs::path& out, const std::vector<BbObject>& objects) {
   std::set<std::string> subsets(kKnownSubsets.begin(), kKnownSubsets.end());
   std::map<std::string, std::string> folders, counted, fractures;  // by subset and split

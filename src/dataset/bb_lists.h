@@ -26,6 +26,10 @@ struct BbObject {
 [[nodiscard]] std::vector<std::string> writeBbLists(const std::filesystem::path& out,
                                                     const std::vector<BbObject>& objects);
 
+/// Returns the names of those lists.
+///   folders  of objects, as BbObject has them
+[[nodiscard]] std::vector<std::string> bbListNames(const std::vector<std::string>& folders);
+
 /// Returns a sentence if splits have fewer than three objects; else nothing.
 ///   shares  of train, val and test; splits of no share do not count
 [[nodiscard]] std::vector<std::string> fewObjects(const std::vector<BbObject>& objects,

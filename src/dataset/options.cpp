@@ -188,6 +188,18 @@ const std::vector<Row> kRunRows{
      .details = "continue DIR. Options must be the same as before, except `--match`, "
                 "`--limit`, `--shard`, `--verify`, `--device`, `--threads`, "
                 "`--max-memory`, `--object-timeout` and output options"},
+    {.name = "replace",
+     .group = "Run",
+     .value = V::flag(kDataset, &DatasetOptions::replace),
+     .help = "Make the dataset in DIR anew, also with other options; the one that is there stays "
+             "until the new one is complete, and an interrupted run is continued by the same "
+             "command",
+     .details = "make a dataset in place of the one in DIR, also with other options. It is made in "
+                "`DIR/.sherd-replacing`, and takes the old one's place by renaming once it is "
+                "complete: until then the old one stays as it is, whatever ends the run. Then the "
+                "files of the old one are removed, and no others. The same command continues an "
+                "interrupted run. Absent and empty folders are filled as without it; a folder with "
+                "other files and no dataset is refused"},
     {.name = "viewers",
      .group = "Run",
      .value = V::flag(kDataset, &DatasetOptions::viewers),

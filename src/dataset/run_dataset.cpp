@@ -22,6 +22,8 @@
 #include "dataset/output_root.h"
 #include "dataset/own_sums.h"
 #include "dataset/pfpp.h"
+#include "dataset/replaced_files.h"
+#include "dataset/replacement.h"
 #include "dataset/report.h"
 #include "dataset/resources.h"
 #include "dataset/run_record.h"
@@ -54,13 +56,17 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOp
   if (hasPlan(out)) {
     const DatasetPlan before = readPlan(out);
     if (!isIdentityOf(options, before.text) || before.layout != plan.layout) {
-      throw Error(ErrorCode::usage, out.string() +
-                                        ": contains a dataset of other options, see its "
-                                        "dataset.json; use the same options or another folder");
+      throw Error(ErrorCode::usage,
+                  out.string() +
+                      ": contains a dataset of other options, see its "
+                      "dataset.json; use the same options or another folder, or "
+                      "replace it",
+                  OptionNames{"replace"});
     }
     if (!options.resume) {
-      throw Error(ErrorCode::usage, out.string() + ": contains this dataset already; resume it",
-                  OptionNames{"resume"});
+      throw Error(ErrorCode::usage,
+                  out.string() + ": contains this dataset already; resume it, or replace it",
+                  OptionNames{"resume", "replace"});
     }
     if (readFileBytes(out / kPlanName) != planText(plan)) writePlan(out, plan);
     return;
@@ -199,10 +205,8 @@ DatasetSummary summaryOfShard(const DatasetProgress& progress) {
   return summary;
 }
 
-}  // namespace
-
-DatasetSummary runDataset(const fs::path& library, const fs::path& out, const DatasetOptions& given,
-                          Device& device, const DatasetCallbacks& callbacks) {
+DatasetSummary runIn(const fs::path& out, const fs::path& library, const DatasetOptions& given,
+                     Device& device, const DatasetCallbacks& callbacks) {
   const DatasetOptions options = checkedOptions(given);
   std::vector<std::string> warnings;
   DatasetPlan plan{datasetIdentity(given), findObjects(library, options.library, &warnings),
@@ -261,7 +265,61 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
   return summary;
 }
 
-DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
+void warnOf(const DatasetCallbacks& callbacks, const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences) {
+    if (callbacks.warning) callbacks.warning(sentence);
+  }
+}
+
+// Makes a dataset beside the one in `out`, then puts it in its place.
+DatasetSummary replaceIn(const fs::path& out, const fs::path& library, DatasetOptions given,
+                         Device& device, const DatasetCallbacks& callbacks) {
+  const DatasetOptions options = checkedOptions(given);
+  DatasetPlan plan{datasetIdentity(given), findObjects(library, options.library), options.layout,
+                   options.split, options.seed};
+  requireApart(library, plan.objects, out);
+  (void)renameReserved(plan.layout, plan.objects);  // runIn reports them
+  Replacement replacement(out, options.shard.of > 1);
+  std::set<std::string> entries{kJournalFolder};
+  for (const LibraryObject& object : plan.objects) entries.merge(entriesOfObject(plan, object));
+  replacement.requireFree(entries);
+  replacement.prepare(plan, plan.text);
+  given.resume = true;
+  DatasetSummary summary = runIn(replacement.fresh(), library, given, device, callbacks);
+  if (options.shard.of > 1) return summary;  // the merge puts them in place
+  if (summary.objects == 0) {
+    throw Error(ErrorCode::input,
+                "no object could be broken, so " + out.string() + " keeps its dataset; " +
+                    (replacement.fresh() / kFailuresName).string() + " has the reasons");
+  }
+  warnOf(callbacks, replacement.putInPlace());
+  return summary;
+}
+
+}  // namespace
+
+DatasetSummary runDataset(const fs::path& library, const fs::path& out, const DatasetOptions& given,
+                          Device& device, const DatasetCallbacks& callbacks) {
+  if (given.replace && given.resume) {
+    throw Error(ErrorCode::usage,
+                "a dataset is continued or made anew; give one of the two options",
+                OptionNames{"resume", "replace"});
+  }
+  std::vector<std::string> sentences;
+  const bool wasPending = finishReplacement(out, sentences);
+  warnOf(callbacks, sentences);
+  DatasetOptions options = given;
+  // The run that was stopped while it put its dataset in place had made it.
+  options.resume |=
+      wasPending && given.replace && hasPlan(out) && isIdentityOf(given, readPlan(out).text);
+  const bool isReplaced = given.replace && !options.resume && hasPlan(out);
+  if (isReplaced) return replaceIn(out, library, options, device, callbacks);
+  return runIn(out, library, options, device, callbacks);
+}
+
+namespace {
+
+DatasetSummary mergeIn(const fs::path& out, const Progress* progress) {
   const DatasetPlan plan = readPlan(out);
   OutputLock lock(out);
   lock.share();
@@ -286,6 +344,27 @@ DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
   writeReport(out, index.statistics);
   writeOwnSums(out, before, {});
   return index.summary;
+}
+
+}  // namespace
+
+DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
+  std::vector<std::string> sentences;
+  (void)finishReplacement(out, sentences);
+  if (!hasReplacement(out)) {
+    DatasetSummary summary = mergeIn(out, progress);
+    summary.warnings.insert(summary.warnings.begin(), sentences.begin(), sentences.end());
+    return summary;
+  }
+  Replacement replacement(out, false);
+  DatasetSummary summary = mergeIn(replacement.fresh(), progress);
+  if (summary.objects == 0) {
+    throw Error(ErrorCode::input,
+                "no object could be broken, so " + out.string() + " keeps its dataset");
+  }
+  for (std::string& sentence : replacement.putInPlace())
+    summary.warnings.push_back(std::move(sentence));
+  return summary;
 }
 
 }  // namespace sherd

@@ -25,12 +25,13 @@ void addMaterialFiles(FractureFiles& files, const std::string& stem, const Mater
     return std::find(write.meshFormats.begin(), write.meshFormats.end(), format) !=
            write.meshFormats.end();
   };
-  const bool hasPlainUsd = write.usd && std::find(write.usdFormats.begin(), write.usdFormats.end(),
-                                                  UsdFormat::usda) != write.usdFormats.end();
+  const bool hasUsda = write.usd && !write.plainMeshes &&
+                       std::find(write.usdFormats.begin(), write.usdFormats.end(),
+                                 UsdFormat::usda) != write.usdFormats.end();
   const bool hasObj = write.mesh && wanted(MeshFileFormat::obj) && !write.plainMeshes;
   const bool hasPly = write.mesh && wanted(MeshFileFormat::ply) && !write.plainMeshes;
   if (hasObj) files.materials = "meshes/" + withoutBlanks(stem) + ".mtl";
-  if (!hasObj && !hasPly && !hasPlainUsd) return;
+  if (!hasObj && !hasPly && !hasUsda) return;
   for (const MaterialTable::Image& image : table.textures) {
     files.textures.push_back("meshes/" + image.file);
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
@@ -65,12 +66,52 @@ std::uint16_t behind(const TriangleMesh& mesh, std::size_t t, std::uint16_t own,
   return 0;
 }
 
+// Which fragments have a vertex at a position.
+class FragmentsAt {
+ public:
+  ///   at  of vertices, firstAtPosition
+  FragmentsAt(const FragmentMeshes& all, const std::vector<std::uint32_t>& at) : at_(at) {
+    for (std::size_t f = 0; f + 1 < all.firstFace.size(); ++f) {
+      for (std::size_t t = all.firstFace[f]; t < all.firstFace[f + 1]; ++t) {
+        for (int k = 0; k < 3; ++k)
+          pairs_.emplace_back(at[all.faces.triangles[t][k]], static_cast<std::uint16_t>(f + 1));
+      }
+    }
+    std::sort(pairs_.begin(), pairs_.end());
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+  }
+
+  // Returns the other fragment that has vertices at most corners of a face, the first of several; 0
+  // if none has one.
+  [[nodiscard]] std::uint16_t most(const glm::uvec3& face, std::uint16_t own) const {
+    std::map<std::uint16_t, int> counts;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t position = at_[face[k]];
+      for (auto pair = std::lower_bound(pairs_.begin(), pairs_.end(), Pair{position, 0});
+           pair != pairs_.end() && pair->first == position; ++pair) {
+        if (pair->second != own) ++counts[pair->second];
+      }
+    }
+    const auto found =
+        std::max_element(counts.begin(), counts.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    return found == counts.end() ? std::uint16_t{0} : found->first;
+  }
+
+ private:
+  using Pair = std::pair<std::uint32_t, std::uint16_t>;
+  const std::vector<std::uint32_t>& at_;
+  std::vector<Pair> pairs_;
+};
+
 }  // namespace
 
 int JoinedMaterials::addTexture(const Texture& texture) {
   for (std::size_t i = 0; i < joined_.textures.size(); ++i) {
     const Texture& known = joined_.textures[i];
-    if (known.name == texture.name && known.bytes == texture.bytes) return static_cast<int>(i);
+    // Files of other formats name the same image in other ways, or not at all.
+    const bool isSame = !texture.bytes.empty() || known.name == texture.name;
+    if (isSame && known.bytes == texture.bytes) return static_cast<int>(i);
   }
   joined_.textures.push_back(texture);
   return static_cast<int>(joined_.textures.size()) - 1;
@@ -178,6 +219,7 @@ bool setNeighbors(FragmentMeshes& all, const GridFrame& frame, const Labels& lab
   }
   std::sort(sides.begin(), sides.end());
   LabelReader reader(*labels.blocks, labels);
+  const FragmentsAt fragments(all, at);
   const std::vector<std::uint32_t>& material = faces.attributes.material;
   faces.neighbor.assign(faces.triangles.size(), 0);
   bool isAnyShared = false;
@@ -192,6 +234,8 @@ bool setNeighbors(FragmentMeshes& all, const GridFrame& frame, const Labels& lab
         isAnyShared = true;
       } else if (material.empty() || material[t] == JoinedMaterials::kInside) {
         faces.neighbor[t] = behind(faces, t, own, frame, reader);
+        // Of a crack that was broken again on the other side only, and that no voxel reaches.
+        if (faces.neighbor[t] == 0 && !material.empty()) faces.neighbor[t] = fragments.most(c, own);
       }
     }
   }

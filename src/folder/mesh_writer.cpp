@@ -184,7 +184,7 @@ void MeshWriter::writeHoudini(std::span<const Fragment> fragments,
                         .level = clusters[i].level,
                         .cluster = clusters[i].cluster});
     }
-    writeGeo(folder_ / paths[file], pieces, progress);
+    writeGeo(folder_ / paths[file], pieces, progress, options_.plainMeshes);
   }
 }
 

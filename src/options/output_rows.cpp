@@ -264,12 +264,14 @@ const Row kFileRows[]{
     {.name = "plain-meshes",
      .group = "",
      .value = V::flag(kWrite, &WriteOptions::plainMeshes),
-     .help =
-         "Only vertices and triangles in .ply, .obj and .glb: no normals, neighbors or materials",
-     .details = "vertices and triangles only in `.ply`, `.obj` and `.glb`: no normals, neighbors "
-                "or materials, and no vertex is repeated for them",
+     .help = "Only vertices and triangles in .ply, .obj, .glb, USD and Houdini's .geo: no normals, "
+             "neighbors or materials",
+     .details = "vertices and triangles only in `.ply`, `.obj`, `.glb`, `scene.usda`, `scene.usdz` "
+                "and `pieces.geo`: no normals, neighbors or materials, and no vertex is repeated "
+                "for them. Scenes keep names, masses and joints",
      .key = "plain_meshes",
-     .recorded = [](R o) { return o.write.mesh || o.write.scene; }},
+     .recorded =
+         [](R o) { return o.write.mesh || o.write.scene || o.write.usd || o.write.houdini; }},
     {.name = "precision",
      .group = "",
      .value = V::choice(kWrite, &WriteOptions::precision, names::kPrecision),

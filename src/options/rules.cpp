@@ -313,13 +313,13 @@ std::vector<Rule> formatRules() {
       {{"plain-meshes"},
        Verdict::idle,
        [](O o, U) {
-         return !writes(o, {"mesh", "scene"});
+         return !writes(o, {"mesh", "scene", "usd", "houdini"});
        },
-       "does nothing without mesh or scene in {write}"},
+       "does nothing without mesh, scene, usd or houdini in {write}"},
       {{"plain-meshes"},
        Verdict::idle,
        [](O o, U) {
-         return writes(o, {"mesh"}) && !writes(o, {"scene"}) &&
+         return writes(o, {"mesh"}) && !writes(o, {"scene", "usd", "houdini"}) &&
                 !hasFormat(o, MeshFileFormat::ply) && !hasFormat(o, MeshFileFormat::obj) &&
                 !hasFormat(o, MeshFileFormat::glb);
        },

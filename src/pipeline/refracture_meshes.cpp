@@ -50,26 +50,30 @@ SolidMesh meshOf(const FinishedFracture& finished, int id) {
   return out;
 }
 
-// A triangle by its positions, the lowest first.
-using Key = std::array<std::uint32_t, 3>;
-
-Key keyOf(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  if (b < a && b < c) return {b, c, a};
-  if (c < a && c < b) return {c, a, b};
-  return {a, b, c};
-}
-
-// Returns [faces] whether another fragment has the same face, seen from the other side.
-std::vector<bool> areShared(const TriangleMesh& faces) {
-  const std::vector<std::uint32_t> at = firstAtPosition(faces.vertices);
-  std::vector<Key> all;
-  for (const glm::uvec3& t : faces.triangles) all.push_back(keyOf(at[t.x], at[t.y], at[t.z]));
-  std::sort(all.begin(), all.end());
+// Returns [faces] whether each corner is at a vertex of another fragment: the face is on a crack
+// that is closed.  The face itself need not be another fragment's: where that was broken again, it
+// has parts of the face, whose new corners are those of its own parts.
+std::vector<bool> areShared(const FinishedFracture& finished) {
+  constexpr std::uint32_t kNone = 0, kSeveral = std::numeric_limits<std::uint32_t>::max();
+  const std::vector<std::uint32_t> at = firstAtPosition(finished.faces.vertices);
+  std::vector<std::uint32_t> fragmentOf(at.size(), kNone);  // that has a vertex there
+  const auto forEachFace = [&](const auto& visit) {
+    for (std::uint32_t id = 1; id < finished.firstFace.size(); ++id) {
+      for (std::size_t t = finished.firstFace[id - 1]; t < finished.firstFace[id]; ++t)
+        visit(id, finished.faces.triangles[t]);
+    }
+  };
+  forEachFace([&](std::uint32_t id, const glm::uvec3& face) {
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t& known = fragmentOf[at[face[k]]];
+      known = known == kNone || known == id ? id : kSeveral;
+    }
+  });
   std::vector<bool> areShared;
-  for (const glm::uvec3& t : faces.triangles) {
-    const Key other = keyOf(at[t.x], at[t.z], at[t.y]);
-    areShared.push_back(std::binary_search(all.begin(), all.end(), other));
-  }
+  forEachFace([&](std::uint32_t, const glm::uvec3& face) {
+    areShared.push_back(fragmentOf[at[face.x]] == kSeveral && fragmentOf[at[face.y]] == kSeveral &&
+                        fragmentOf[at[face.z]] == kSeveral);
+  });
   return areShared;
 }
 
@@ -95,7 +99,7 @@ class Neighbors {
   Neighbors(const FinishedFracture& finished, std::span<const BrokenFragment> broken,
             const Labels& labels)
       : faces_(finished.faces),
-        areShared_(areShared(finished.faces)),
+        areShared_(areShared(finished)),
         frame_(finished.solid.frame),
         labels_(*labels.blocks, labels),
         touching_(touchingPairs(labels)),

@@ -12,9 +12,11 @@ import unittest
 import numpy as np
 
 import skipping
+from appearance_test import png
 from cli_test import CommandLine, tree
-from exact_test import gear, texcoord, write_textured
+from exact_test import areas, gear, texcoord, write_textured
 from ply_file import columns, read_ply
+from textured_pieces import formats_of, mesh_files, surfaces
 
 
 class Again(CommandLine):
@@ -301,6 +303,94 @@ class Attributes(CommandLine):
             self.assertEqual(before[name], after[name])
         result = self.run_sherd("evaluate", out, "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
+
+
+class Formats(CommandLine):
+    """A gear whose sides and caps have a texture each, broken again and again in files of all formats."""
+    OPTIONS = ("--write", "labels,vdb,mesh,usd,houdini", "--precision", "double")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.mesh = pathlib.Path(cls.data) / "gear.obj"
+        write_textured(cls.mesh, *gear())
+        generator = np.random.default_rng(5)
+        cls.images = {}
+        for name in ("sides", "caps"):
+            cls.images[name] = generator.integers(0, 256, (16, 16, 3), np.uint8)
+            (pathlib.Path(cls.data) / f"{name}.png").write_bytes(png(cls.images[name]))
+        library = "".join(f"newmtl {name}\nKd 1 1 1\nmap_Kd {name}.png\n" for name in cls.images)
+        cls.mesh.with_suffix(".mtl").write_text(library)
+
+    def first(self, formats, *options, pieces=8):
+        out = self.path("first-" + formats)
+        self.done(*self.OPTIONS, "--mesh-format", formats, *options, mesh=str(self.mesh), pieces=pieces, out=out)
+        return out
+
+    def broken_in_a_row(self, first, breaks):
+        """Breaks the last fragment each time.  Files of fragments that are neither broken nor, where files have neighbors, beside one stay."""
+        folder = first
+        for at in range(breaks):
+            before = self.manifest(folder)
+            own = len(before["fragments"]) if at > 0 else 3
+            out = self.path(f"{os.path.basename(first)}-{at}")
+            result = self.run_sherd("fracture", folder, "--only", str(own), "--pieces", "2", "-o", out)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            beside = {c["id"] for c in before["fragments"][own - 1]["contacts"]}
+            old, new = tree(folder), tree(out)
+            for fragment in before["fragments"]:
+                for name in mesh_files(fragment):
+                    if fragment["id"] != own and not (name.endswith((".ply", ".glb")) and fragment["id"] in beside):
+                        self.assertEqual(new[name], old[name], name)
+            self.check_textures(out)
+            folder = out
+        result = self.run_sherd("evaluate", folder, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads(result.stdout)
+        self.assertEqual((report["sound"], report["quality"]["flipped_edges"]), (report["pieces"], 0))
+        return folder
+
+    def texels(self, name, uv):
+        """Colors [n, 3] of a texture between the centers of its texels, rows from above, repeated."""
+        image = self.images[name].astype(float)
+        at = np.column_stack([uv[:, 0], 1 - uv[:, 1]]) * image.shape[0] - 0.5
+        low = np.floor(at).astype(int)
+        x, y = (at - low).T[:, :, None]
+        side = image.shape[0]
+        of = lambda dx, dy: image[(low[:, 1] + dy) % side, (low[:, 0] + dx) % side]
+        return (of(0, 0) * (1 - x) + of(1, 0) * x) * (1 - y) + (of(0, 1) * (1 - x) + of(1, 1) * x) * y
+
+    def check_textures(self, folder):
+        """At a point of each triangle of the original surface the color is that of the input there, in each format."""
+        weights = np.random.default_rng(7).dirichlet((1, 1, 1), 1)[0]
+        found = surfaces(self, folder, self.manifest(folder))
+        for end, (corners, uv, names) in found.items():
+            area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+            self.assertAlmostEqual(area.sum() / self.area, 1, delta=1e-5, msg=end)  # all of it, once
+            point, at = (np.einsum("k,mkd->md", weights, values) for values in (corners, uv))
+            for name in self.images:
+                own = (names == name) & (area > 1e-9)
+                self.assertGreater(own.sum(), 10)
+                flat = np.ptp(corners[own][:, :, 2], axis=1) < 1e-6
+                self.assertEqual(set(flat), {name == "caps"}, (end, name))
+                expected = self.texels(name, np.array([texcoord(p) for p in point[own]]))
+                np.testing.assert_allclose(self.texels(name, at[own]), expected, atol=0.05, err_msg=end)
+        kept = [path.read_bytes() for path in pathlib.Path(folder, "meshes").glob("*.png")]
+        self.assertEqual(sorted(kept), sorted(map(png, self.images.values())) if found else [])  # each once
+        self.assertEqual(bool(found), not formats_of(self.manifest(folder)).isdisjoint((".ply", ".obj", ".glb")))
+
+    @property
+    def area(self):
+        return areas(*gear()).sum()
+
+    def test_textures_stay_where_they_are(self):
+        self.broken_in_a_row(self.first("ply,obj,glb,stl,binm"), 2)
+
+    def test_a_crack_of_which_one_side_is_broken_again_stays_a_crack(self):
+        """Of the third break a face of fragment 3 is the whole of what two fragments have parts of, and no voxels of these touch its own."""
+        for formats in ("ply", "obj"):
+            with self.subTest(formats):
+                self.broken_in_a_row(self.first(formats), 3)
 
 
 if __name__ == "__main__":

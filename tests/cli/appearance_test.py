@@ -7,6 +7,7 @@ import json
 import os
 import struct
 import unittest
+import zipfile
 import zlib
 
 import numpy as np
@@ -86,6 +87,72 @@ class Look(CommandLine):
 
     def at(self, name):
         return os.path.join(self.out, name)
+
+    def package(self, name, resources, properties):
+        """A cube of side 1 as 3MF, two triangles a side in the order -x +x -y +y -z +z, with attributes of each side's triangles."""
+        corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        sides = (0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)
+        triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}" {p}/><triangle v1="{a}" v2="{c}" v3="{d}" {p}/>'
+                            for (a, b, c, d), p in zip(sides, properties))
+        model = ('<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" '
+                 f'xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02"><resources>{resources}<object id="1"><mesh><vertices>'
+                 + "".join('<vertex x="%d" y="%d" z="%d"/>' % c for c in corners)
+                 + f'</vertices><triangles>{triangles}</triangles></mesh></object></resources><build><item objectid="1"/></build></model>')
+        path = self.path(name)
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+            file.writestr("3D/3dmodel.model", model)
+        return path
+
+    def test_colors_of_triangles_of_3mf(self):
+        """Each side of a cube has a color, which its faces have in the fragments' .ply and .glb."""
+        colors = np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0], [0, 255, 255], [90, 60, 30]])
+        group = '<m:colorgroup id="3">' + "".join('<m:color color="#%02X%02X%02X"/>' % tuple(c) for c in colors) + "</m:colorgroup>"
+        mesh = self.package("cube.3mf", group, [f'pid="3" p1="{i}"' for i in range(6)])
+        super().done("--surface", "exact", "--mesh-format", "ply,glb", mesh=mesh)
+        for fragment in self.pieces()["fragments"]:
+            ply, glb = fragment["files"]["mesh"]
+            _, vertex, face = read_ply(self.at(ply))
+            outside = face["vertex_indices"][face["neighbor"] == 0]
+            # A vertex has one color, on an edge of the cube that of one of its sides.
+            self.check_sides(columns(vertex, "x", "y", "z")[outside], columns(vertex, "red", "green", "blue")[outside], colors, False)
+            for material, triangles, attributes in Glb(self, self.at(glb)).primitives():
+                if material["name"] != "inside":
+                    tint = np.round(255 * srgb(attributes["COLOR_0"][:, :3] / 65535))
+                    self.check_sides(attributes["POSITION"][triangles], tint[triangles], colors, True)
+
+    def check_sides(self, corners, tint, colors, by_corner):
+        """Triangles [m, 3, 3] on the sides of the cube have their side's color at each corner, or one of its vertex's sides."""
+        self.assertGreater(len(corners), 0)
+        for at, found in zip(corners, tint):
+            side = [2 * k + int(at[0, k]) for k in range(3) if np.ptp(at[:, k]) == 0 and at[0, k] in (0, 1)]
+            self.assertEqual(len(side), 1)
+            for v, color in zip(at, found):
+                sides = side if by_corner else [2 * k + int(v[k]) for k in range(3) if v[k] in (0, 1)]
+                self.assertIn(tuple(color), {tuple(colors[i]) for i in sides}, (at, found))
+
+    def test_base_materials_of_3mf(self):
+        group = ('<basematerials id="3"><base name="clay" displaycolor="#BC8040"/><base name="glaze" displaycolor="#0000FF"/></basematerials>')
+        mesh = self.package("cube.3mf", group, ['pid="3" p1="0"'] * 5 + ['pid="3" p1="1"'])
+        super().done("--surface", "exact", "--mesh-format", "obj", mesh=mesh)
+        library = [n for n in tree(self.out) if n.endswith(".mtl")]
+        with open(self.at(library[0])) as file:
+            text = file.read()
+        self.assertIn("newmtl clay", text)
+        self.assertIn("newmtl glaze", text)
+        used = {}
+        for fragment in self.pieces()["fragments"]:
+            v, material = [], None
+            with open(self.at(fragment["files"]["mesh"])) as file:
+                for words in map(str.split, file):
+                    if words[:1] == ["v"]:
+                        v.append([float(x) for x in words[1:4]])
+                    elif words[:1] == ["usemtl"]:
+                        material = words[1]
+                    elif words[:1] == ["f"]:
+                        z = [v[int(w.split("/")[0]) - 1][2] for w in words[1:]]
+                        used.setdefault(material, set()).add(min(z) == max(z) == 1)
+        self.assertEqual(used["glaze"], {True})
+        self.assertEqual(used["clay"], {False})
 
     def test_ply(self):
         self.done("--write", "mesh", "--adaptivity", "0", mesh=self.drum(), pieces=4)
@@ -234,6 +301,45 @@ class Look(CommandLine):
         for path in (glb, obj):
             reported = json.loads(self.run_sherd("inspect", self.at(path), "--json").stdout)
             self.assertEqual((reported["closed"], reported["boundary_edges"], reported["triangles"]), (True, 0, len(f)))
+
+    def test_stl_and_binm_have_the_same_levels(self):
+        """The triangles of the .ply files, of the whole and the decimated meshes, as these formats hold them."""
+        self.done("--write", "mesh", "--mesh-format", "ply,stl,binm", "--triangles", "300", mesh=self.drum())
+        for piece in self.pieces()["fragments"]:
+            for ply, stl, binm in (piece["files"]["mesh"], piece["decimated"][0]["file"]):
+                _, v, f = read_ply(self.at(ply))
+                expected = surface(columns(v, "x", "y", "z").astype(np.float32)[f["vertex_indices"]])
+                with open(self.at(stl), "rb") as file:
+                    data = file.read()
+                count, = struct.unpack_from("<I", data, 80)
+                facets = np.frombuffer(data, np.dtype([("numbers", "<f4", (4, 3)), ("attribute", "<u2")]), count, 84)
+                self.assertEqual((len(data), surface(facets["numbers"][:, 1:])), (84 + 50 * count, expected))
+                with open(self.at(binm), "rb") as file:
+                    data = file.read()
+                vertices, = struct.unpack_from("<I", data)
+                faces, = struct.unpack_from("<I", data, 4 + 64 * vertices)
+                at = np.frombuffer(data, "<f4", 16 * vertices, 4).reshape(-1, 16)[:, :3]
+                corners = np.frombuffer(data, "<u4", 4 * faces, 8 + 64 * vertices).reshape(-1, 4)[:, :3]
+                self.assertEqual((len(data), surface(at[corners])), (8 + 64 * vertices + 16 * faces, expected))
+
+    def test_a_scene_has_colors_and_coordinates_at_each_level(self):
+        """Those of the pieces' own .glb files, which test_all_formats_agree compares with the input."""
+        self.done("--write", "mesh,scene", "--mesh-format", "glb", "--triangles", "300", mesh=self.drum())
+        scene = Glb(self, self.at("scene.glb"))
+        for i, piece in enumerate(self.pieces()["fragments"]):
+            first = scene.physics(i)["collider"]["geometry"]["node"]
+            levels = [first, *scene.json["nodes"][first]["extensions"]["MSFT_lod"]["ids"]]
+            names = [piece["files"]["mesh"], piece["decimated"][0]["file"]]
+            self.assertEqual(len(levels), len(names))
+            for level, name in zip(levels, names):
+                mine, own = (list(file.primitives(mesh)) for file, mesh in ((scene, scene.json["nodes"][level]["mesh"]), (Glb(self, self.at(name)), 0)))
+                self.assertEqual([m["name"] for m, _, _ in mine], [m["name"] for m, _, _ in own])
+                for (_, triangles, attributes), (_, others, of) in zip(mine, own):
+                    np.testing.assert_array_equal(triangles, others)
+                    for key in ("COLOR_0", "TEXCOORD_0"):
+                        np.testing.assert_array_equal(attributes[key], of[key])
+                    at = attributes["POSITION"] + np.array(scene.json["nodes"][i]["translation"])
+                    np.testing.assert_allclose(at, of["POSITION"], atol=1e-6)
 
     def test_plain_meshes(self):
         self.done("--write", "mesh", "--mesh-format", "ply,obj,glb")

@@ -289,7 +289,7 @@ class Run(Dataset):
         self.refused(2, self.dataset("--split", "0/0/0"), "--split")
         self.done("--match", "ball*")
         before = tree(self.out)
-        self.refused(2, self.dataset("--match", "ball*"), "; resume it (--resume)\n")
+        self.refused(2, self.dataset("--match", "ball*"), "; resume it, or replace it (--resume, --replace)\n")
         self.refused(2, self.dataset("--match", "ball*", "--resume", "--balance", "2"), "other options")
         self.assertEqual(tree(self.out), before)
         os.makedirs(self.path("full"))
@@ -776,6 +776,232 @@ class Trust(Dataset):
         self.assertEqual({n: s for n, s in before.items() if n.startswith("objects/")},
                          {n: s for n, s in after.items() if n.startswith("objects/") and "/more" not in n})
         self.assertEqual(splits, {r["object"]: r["split"] for r in self.rows() if r["object"] != "more.obj"})
+
+
+class Replacing(Dataset):
+    """`--replace`: the old dataset stays until the new one is complete, and others' files stay always."""
+    SMALL = "--resolution", "16", "--repeats", "1..1", "--points", "0", "--write", "labels", "--limit", "2"
+    NEW = "--pieces", "3..3", "--seed", "5", *SMALL
+    TRAINING = "--pieces", "3..3", "--seed", "5", "--resolution", "16", "--repeats", "1..1", "--limit", "2"
+
+    def setUp(self):
+        super().setUp()
+        self.old = "--pieces", "2..2", *self.SMALL
+
+    def expected(self, *arguments, **more):
+        """The dataset that another folder gets by these options."""
+        out = self.path("expected")
+        self.done(*arguments, out=out, **more)
+        found = dataset(out)
+        shutil.rmtree(out)
+        return found
+
+    def mine(self, names):
+        for name in names:
+            path = os.path.join(self.out, name)
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            with open(path, "w") as file:
+                file.write("of " + name)
+
+    def others_are_there(self, names):
+        for name in names:
+            with open(os.path.join(self.out, name)) as file:
+                self.assertEqual(file.read(), "of " + name)
+
+    def test_every_layout_takes_the_place_of_every_other(self):
+        layouts = "sherd", "packed", "paper", "bb", "hdf5", "pfpp", "sherd"
+        self.done(*self.old)
+        for layout in layouts[1:]:
+            with self.subTest(layout=layout):
+                options = (*self.TRAINING, "--layout", layout)
+                run = self.done(*options, "--replace", "--verify")
+                self.assertNotIn("is no file of the dataset", run.stderr)
+                self.assertEqual(dataset(self.out), self.expected(*options))
+                self.assertEqual([n for n in os.listdir(self.out) if n.startswith(".")], [])
+
+    def test_files_of_others_stay(self):
+        self.done(*self.old[:-4], "--limit", "2", "--write", "mesh", "--layout", "bb")
+        theirs = ["notes.txt", "library/ball/notes.md", "library/ball/fractured_0/mine.obj",
+                  "journal/mine.txt", "journal/mine.jsonl", "mine.train.txt", "data_split/mine.txt", "run_mine.json"]
+        self.mine(theirs)
+        os.symlink("nowhere", os.path.join(self.out, "library", "link"))
+        self.done(*self.NEW, "--replace")
+        self.others_are_there(theirs)
+        os.remove(os.path.join(self.out, "library", "link"))
+        found = {n: s for n, s in dataset(self.out).items() if n not in theirs and not n.startswith(("library/", "data_split/"))}
+        self.assertEqual(found, self.expected(*self.NEW))
+        self.assertEqual(sorted(n for n in tree(self.out) if n.startswith("library/") and not n.endswith("/")),
+                         ["library/ball/fractured_0/mine.obj", "library/ball/notes.md"])
+
+    def test_a_file_of_another_at_a_path_of_the_new_dataset_is_kept_beside(self):
+        self.done(*self.old)
+        self.mine(["objects/ball/3f_0/labels.rle"])
+        run = self.done(*self.NEW, "--replace")
+        self.assertIn("objects/ball/3f_0/labels.rle: is no file of the dataset, and lies in", run.stderr)
+        with open(os.path.join(self.out, "kept/objects/ball/3f_0/labels.rle")) as file:
+            self.assertEqual(file.read(), "of objects/ball/3f_0/labels.rle")
+
+    def test_what_is_in_the_way_is_refused_before_any_work(self):
+        self.done(*self.old)
+        self.mine(["library/mine.txt"])
+        before = tree(self.out)
+        self.refused(5, self.dataset(*self.NEW, "--layout", "bb", "--replace"), "library", "move it away")
+        self.assertEqual(tree(self.out), before)
+
+    def test_what_is_no_dataset_is_refused(self):
+        self.mine(["notes.txt"])
+        self.refused(5, self.dataset("--replace"), "is not empty and no dataset")
+        self.others_are_there(["notes.txt"])
+        self.assertEqual(os.listdir(self.out), ["notes.txt"])
+
+    def test_empty_folders_are_filled(self):
+        self.done(*self.NEW, "--replace")
+        self.assertEqual(dataset(self.out), self.expected(*self.NEW))
+
+    def test_contradicting_and_idle_options(self):
+        self.done(*self.old)
+        self.refused(2, self.dataset("--replace", "--resume"), "--resume", "--replace")
+        self.refused(2, self.dataset(*self.NEW), "--replace")
+        run = self.done("--replace", "--dry-run")
+        self.assertIn("--replace does nothing with --dry-run", run.stderr)
+
+    def test_a_dataset_stays_where_no_object_can_be_broken(self):
+        self.done(*self.old)
+        before = dataset(self.out)
+        library = self.path("bad")
+        os.makedirs(library)
+        self.path("bad/a.obj", b"v 0 0 0\n")
+        run = self.dataset(*self.NEW, "--replace", library=library)
+        self.assertEqual(run.returncode, 3)
+        self.assertIn("keeps its dataset", run.stderr)
+        after = dataset(self.out)
+        self.assertEqual({n: s for n, s in after.items() if not n.startswith(".sherd-replacing")}, before)
+
+    def test_shards_replace_when_they_are_merged(self):
+        self.done(*self.old)
+        before = dataset(self.out)
+        for i in 1, 2:
+            self.done(*self.NEW, "--replace", "--shard", f"{i}/2")
+            now = {n: s for n, s in dataset(self.out).items() if not n.startswith(".sherd-replacing")}
+            self.assertEqual(now, before)
+        merged = self.run_sherd("merge", self.out)
+        self.assertEqual(merged.returncode, 0, merged.stderr)
+        self.assertEqual(dataset(self.out), self.expected(*self.NEW))
+
+    def test_two_at_once(self):
+        self.done(*self.old)
+        os.makedirs(os.path.join(self.out, ".sherd-replacing"))
+        held = os.open(os.path.join(self.out, ".sherd-replacing"), os.O_RDONLY)
+        fcntl.flock(held, fcntl.LOCK_EX)
+        before = tree(self.out)
+        self.refused(5, self.dataset(*self.NEW, "--replace"), "another sherd process replaces the dataset")
+        self.assertEqual(tree(self.out), before)
+        os.close(held)
+        self.done(*self.NEW, "--replace")
+        self.assertEqual(dataset(self.out), self.expected(*self.NEW))
+
+    def test_the_old_one_is_whole_until_the_new_one_is(self):
+        """Killed in the midst of its work: the old one is there, and the same command continues."""
+        self.done(*self.old)
+        before, whole = dataset(self.out), self.expected(*self.NEW)
+        for kill in signal.SIGINT, signal.SIGKILL:
+            run = subprocess.Popen([SHERD, "dataset", self.library, "-o", self.out, *small((*self.NEW, "--replace"))],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            journal = os.path.join(self.out, ".sherd-replacing", "new", "journal")
+            while run.poll() is None and not os.path.exists(journal):
+                time.sleep(0.001)
+            run.send_signal(kill)
+            _, said = run.communicate()
+            now = {n: s for n, s in dataset(self.out).items() if not n.startswith(".sherd-replacing")}
+            if run.returncode == 130:
+                self.assertIn("keeps its dataset until the new one is complete", said)
+            self.assertEqual(now, whole if run.returncode == 0 else before)
+        self.done(*self.NEW[:2], "--seed", "6", *self.SMALL, "--replace")  # drops what was begun
+        self.assertNotEqual(dataset(self.out), whole)
+        self.done(*self.NEW, "--replace")
+        self.assertEqual(dataset(self.out), whole)
+
+    def test_a_killed_exchange_is_completed_by_any_run(self):
+        """Each state between the renames, made by hand: the next run ends in the new dataset."""
+        self.done(*self.NEW)
+        whole = dataset(self.out)
+        new = self.path("complete")
+        shutil.copytree(self.out, new)
+        shutil.rmtree(self.out)
+        self.done(*self.old, "--layout", "paper")
+        self.mine(["ball/notes.txt"])
+        old = self.path("before")
+        shutil.copytree(self.out, old)
+        ours = sorted(set(os.listdir(old)) - {"journal", "dataset.json"}) + ["journal", "dataset.json"]
+        theirs = sorted(set(os.listdir(new)) - {"journal", "dataset.json"}) + ["journal", "dataset.json"]
+        steps = [("ready", n) for n in range(len(ours) + 1)] + [("placing", n) for n in range(len(theirs) + 1)]
+        for stage, moved in steps[::3] + steps[-1:]:
+            with self.subTest(stage=stage, moved=moved):
+                shutil.rmtree(self.out)
+                shutil.copytree(old, self.out)
+                aside = os.path.join(self.out, ".sherd-replacing")
+                os.makedirs(os.path.join(aside, "old"))
+                shutil.copytree(new, os.path.join(aside, stage))
+                for name in ours if stage == "placing" else ours[:moved]:
+                    os.rename(os.path.join(self.out, name), os.path.join(aside, "old", name))
+                for name in theirs[:moved] if stage == "placing" else ():
+                    os.rename(os.path.join(aside, stage, name), os.path.join(self.out, name))
+                self.done(*self.NEW, "--replace" if moved % 2 else "--resume")
+                self.others_are_there(["ball/notes.txt"])
+                found = dataset(self.out)
+                self.assertEqual({n: s for n, s in found.items() if n not in ("ball/", "ball/notes.txt")}, whole)
+
+    def test_a_kill_while_the_old_one_is_removed_leaves_nothing_of_it(self):
+        library = self.path("many")
+        os.makedirs(library)
+        for i in range(12):
+            write_obj(os.path.join(library, f"ball{i}.obj"), sphere(radius=1 + i))
+        options = ("--pieces", "2..2", *self.SMALL[:-2])
+        self.done(*options, library=library)
+        whole = self.expected(*options, "--seed", "7", library=library)
+        for seed in ("7", "8", "7"):
+            run = subprocess.Popen([SHERD, "dataset", library, "-o", self.out, *small((*options, "--seed", seed, "--replace"))],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while run.poll() is None and not os.path.exists(os.path.join(self.out, ".sherd-replacing", "old", "journal")):
+                pass
+            run.kill()
+            run.wait()
+            self.done(*options, "--seed", seed, "--replace", library=library)
+        self.assertEqual(dataset(self.out), whole)
+
+    def test_changed_meshes_are_broken_again(self):
+        """A replacement that is continued takes meshes as they are now."""
+        library = self.path("changing")
+        shutil.copytree(self.library, library)
+        self.done(*self.old, library=library)
+        self.done(*self.NEW, "--replace", "--shard", "1/1", library=library)
+        self.done(*self.NEW, "--replace", "--shard", "1/2", library=library)
+        self.done(*self.NEW, "--replace", "--shard", "2/2", library=library)  # complete, not merged
+        write_obj(os.path.join(library, "ball.obj"), sphere(radius=3))
+        self.done(*self.NEW, "--replace", library=library)
+        out = self.path("fresh")
+        self.done(*self.NEW, out=out, library=library)
+        self.assertEqual(dataset(self.out), dataset(out))
+
+    def test_a_full_disk_keeps_the_old_one(self):
+        disk = self.path("disk")
+        large = "--resolution", "64", "--repeats", "1..1", "--pieces", "3..3"
+        os.makedirs(disk)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], stderr=subprocess.DEVNULL).returncode:
+            skipping.skip(self, "MOUNT", "this process may not mount")
+        try:
+            out = os.path.join(disk, "out")
+            self.done(*self.old, out=out)
+            before = dataset(out)
+            run = self.dataset(*large, "--replace", out=out)
+            self.assertEqual(run.returncode, 5, run.stderr)
+            self.assertIn("no space left", run.stderr)
+            self.assertEqual({n: s for n, s in dataset(out).items() if not n.startswith(".sherd-replacing")}, before)
+            self.assertEqual(subprocess.run(["mount", "-o", "remount,size=100m", disk]).returncode, 0)
+            self.done(*large, "--replace", out=out)
+            self.assertEqual(dataset(out), self.expected(*large))
+        finally:
+            subprocess.run(["umount", disk])
 
 
 if __name__ == "__main__":

@@ -165,14 +165,14 @@ class Doctor(unittest.TestCase):
         report, _ = self.report(0, program=program)
         self.assertEqual((report["assimp"]["program"], report["assimp"]["reads"]), (None, False))
         self.assertIn(self.path("sherd-assimp"), report["assimp"]["tried"])
-        self.wrong(report, "FBX, DAE and 3MF files cannot be read", "sherd-assimp")
+        self.wrong(report, "FBX and DAE files cannot be read", "sherd-assimp")
 
     def test_a_program_that_reads_fbx_and_fails(self):
         fails = self.path("fails", "#!/bin/sh\nexit 3\n")
         os.chmod(fails, 0o755)
         report, _ = self.report(0, SHERD_ASSIMP=fails)
         self.assertEqual((report["assimp"]["program"], report["assimp"]["reads"]), (fails, False))
-        self.wrong(report, "FBX, DAE and 3MF files cannot be read", "Assimp")
+        self.wrong(report, "FBX and DAE files cannot be read", "Assimp")
 
     def test_no_folder_for_temporary_files(self):
         report, _ = self.report(0, TMPDIR="/proc/absent")

@@ -181,6 +181,22 @@ class Geo(CommandLine):
         self.assertEqual(set(geo.attributes), {("point", "P")} | {
             ("primitive", name) for name in ("name", "neighbor", "unreal_gc_piece", "unreal_gc_cluster")})
 
+    def test_plain_meshes_have_points_and_triangles_only(self):
+        self.path("paint.png", PICTURE)
+        self.path("drum.mtl", b"newmtl side of it\nmap_Kd paint.png\nnewmtl cap\nKd 0.25 0.5 0.75\n")
+        mesh, full = self.path("drum.obj", drum()), self.path("full")
+        self.broken("--triangles", "300", mesh=mesh, out=full, pieces=4, write="houdini")
+        manifest = self.broken("--triangles", "300", "--plain-meshes", mesh=mesh, pieces=4, write="houdini")
+        self.assertIs(manifest["options"]["plain_meshes"], True)
+        for name in "pieces.geo", "pieces_t300.geo":
+            plain, whole = self.geometry(name), self.geometry(name, full)
+            kept = [("point", "P"), *(("primitive", n) for n in ("name", "unreal_gc_piece", "unreal_gc_cluster"))]
+            self.assertEqual(list(plain.attributes), kept)
+            self.assertEqual(plain.groups, {})
+            for attribute in kept:
+                np.testing.assert_array_equal(plain.attributes[attribute], whole.attributes[attribute])
+            np.testing.assert_array_equal(plain.points, whole.points)
+
     def test_withheld_pieces_are_in_neither_file(self):
         manifest = self.broken("--growth", "sequential", "--missing", "0.4", pieces=8)
         self.assertGreater(len(manifest["withheld"]), 1)

@@ -108,7 +108,7 @@ class Together(CommandLine):
             ("--neighborhood", "26", "--growth", "flood"), ("--merge-metric", "manhattan", "--extra-seeds", "2n"), ("--size-spread", "1", "--extra-seeds", "2n"),
             ("--merge-metric", "manhattan", "--impact", "0,0,1,2,merge"), ("--erode-size", "5", "--erode-iterations", "1"),
             ("--interface", "independent"), ("--smooth-weight", "0.5", "--smooth-iterations", "0.1k"), ("--triangles", "500", "--write", "mesh"),
-            ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,stl"), ("--plain-meshes", "--write", "scene"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),
+            ("--plain-meshes", "--write", "mesh", "--mesh-format", "glb,stl"), ("--plain-meshes", "--write", "scene"), ("--plain-meshes", "--write", "usd"), ("--plain-meshes", "--write", "mesh,houdini", "--mesh-format", "stl"), ("--half", "--write", "vdb"), ("--compress", "zip", "--write", "vdb,fog,solid"),
             ("--precision", "double", "--write", "mesh"),
             ("--density", "2", "--write", "graph"), ("--proxy-gap", "0.1", "--write", "proxy"), ("--up", "z"), ("--unit", "cm"), ("--up", "x", "--write", "usd"),
             ("--usd-volumes", "--joint-strength", "2", "--unit", "2", "--write", "usd,vdb"),

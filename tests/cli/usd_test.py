@@ -248,6 +248,40 @@ class Usd(CommandLine):
             self.assertEqual(archive.namelist(), ["scene.usda"])
             self.assertNotIn(b"vdb", archive.read("scene.usda"))
 
+    def test_plain_meshes_have_points_and_triangles_only(self):
+        """The points, triangles, masses and joints of the scene with all else, and no material or texture anywhere."""
+        self.path("paint.png", PICTURE)
+        self.path("drum.mtl", b"newmtl side of it\nmap_Kd paint.png\nnewmtl cap\nKd 0.25 0.5 0.75\n")
+        mesh, full = self.path("drum.obj", drum()), self.path("full")
+        options = ("--triangles", "300", "--usd-format", "usda,usdz")
+        self.broken(*options, mesh=mesh, out=full, pieces=4, write="usd")
+        manifest = self.broken(*options, "--plain-meshes", mesh=mesh, pieces=4, write="usd")
+        self.assertIs(manifest["options"]["plain_meshes"], True)
+        self.assertEqual(sorted(manifest["files"]), ["scene.usda", "scene.usdz"])
+        self.assertFalse(os.path.exists(os.path.join(self.out, "meshes")))
+        roots = []
+        for folder in full, self.out:
+            with open(os.path.join(folder, "scene.usda"), encoding="utf-8") as file:
+                roots.append(read_usda(file.read())[1])
+        self.assertEqual([c.name for c in roots[1].children], ["pieces", "joints"])
+        full, plain = ({path: prim for path, prim in root.walk() if not path.startswith(f"/{root.name}/materials")
+                        and prim.kind != "GeomSubset"} for root in roots)
+        self.assertEqual(list(plain), list(full))
+        lost = ("primvars:", "subsetFamily:")
+        count = 0
+        for path, prim in plain.items():
+            self.assertEqual(prim.values, {k: v for k, v in full[path].values.items() if not k.startswith(lost)}, path)
+            for name, level in prim.variants.get("lod", {}).items():
+                child, other = level.children[0], full[path].variants["lod"][name].children[0]
+                self.assertEqual(child.children, [])
+                self.assertEqual(child.metadata["apiSchemas"], ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"])
+                self.assertEqual(child.values, {k: v for k, v in other.values.items() if not k.startswith(lost)})
+                count += 1
+        self.assertEqual(count, 8)
+        with zipfile.ZipFile(os.path.join(self.out, "scene.usdz")) as archive:
+            self.assertEqual(archive.namelist(), ["scene.usda"])
+            self.assertEqual(archive.read("scene.usda"), pathlib.Path(self.out, "scene.usda").read_bytes())
+
     def test_withheld_pieces_have_no_joints(self):
         manifest = self.broken("--growth", "sequential", "--missing", "0.4", pieces=8)
         _, root, pieces = self.scene()

@@ -132,4 +132,16 @@ inline Files mtl() {
   return {"newmtl a\nKd 1 0.5 0\nmap_Kd -s 1 1 1 -clamp on a b.png\nnewmtl b\nKd 1\nmap_Kd\n"};
 }
 
+inline Files model3mf() {
+  return {
+      "<?xml version=\"1.0\"?><!-- a --><model unit=\"inch\"><resources><m:colorgroup id=\"7\">"
+      "<m:color color=\"#FF0000\"/></m:colorgroup><basematerials id=\"8\"><base name=\"a&amp;b\" "
+      "displaycolor=\"#BCBCBC80\"/></basematerials><object id=\"1\" pid=\"8\" pindex=\"0\"><mesh>"
+      "<vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x='1' y='1e-3' z='0'/><vertex x=\"1\" "
+      "y=\"1\" z=\"0\"/></vertices><triangles><triangle v1=\"0\" v2=\"1\" v3=\"2\" pid=\"7\" "
+      "p1=\"0\"/></triangles></mesh></object><object id=\"2\"><components><component "
+      "objectid=\"1\" p:path=\"/a.model\" transform=\"1 0 0 0 1 0 0 0 1 0 0 0\"/></components>"
+      "</object></resources><build><item objectid=\"2\"/></build></model>"};
+}
+
 }  // namespace sherd::fuzz::handmade

@@ -23,6 +23,7 @@
 #include "dataset/statistics.h"
 #include "folder/read_manifest.h"
 #include "folder/seed_file.h"
+#include "formats/mesh/model_3mf.h"
 #include "formats/mesh/mtl.h"
 #include "formats/mesh/read_mesh.h"
 #include "fuzz/draco_files.h"
@@ -120,6 +121,15 @@ void checkPoints(const SurfacePoints& points) {
 void readMtl(std::string_view bytes) {
   std::map<std::string, MtlMaterial> materials;
   addMtl(bytes, materials);
+}
+
+void readModelOf3mf(std::string_view xml) {
+  const MeshFile file{"a.3mf", "a.3mf", MeshFormat::threeMf, {}};
+  for (const auto& [id, object] : parsed3mf(file, "a.model", xml).objects) {
+    check(object.properties.size() <= object.triangles.size());
+    for (const glm::uvec3& t : object.triangles)
+      check(std::max({t.x, t.y, t.z}) < object.vertices.size());
+  }
 }
 
 void readManifestOf(std::string_view bytes) {

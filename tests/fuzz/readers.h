@@ -16,6 +16,7 @@ void readDraco(std::string_view bytes);
 void checkVoxels(const RunLengthVoxels& voxels);
 void checkPoints(const SurfacePoints& points);
 void readMtl(std::string_view bytes);
+void readModelOf3mf(std::string_view xml);
 void readManifestOf(std::string_view bytes);
 void readSeedFile(std::string_view bytes);
 void readJournalOf(std::string_view bytes);

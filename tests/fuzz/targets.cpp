@@ -27,6 +27,7 @@ const std::vector<Target> kTargets{
     {"draco", readDraco, "", dracoStreams()},
     {"gz", [](std::string_view bytes) { readMeshNamed("a.obj.gz", bytes); }, "", handmade::gz()},
     {"mtl", readMtl, ".mtl", handmade::mtl()},
+    {"model_3mf", readModelOf3mf, "", handmade::model3mf()},
     {"binm", [](std::string_view bytes) { readMeshNamed("a.binm", bytes); }, ".binm", {}},
     {"rle", [](std::string_view bytes) { checkVoxels(parseRle(bytes, "a.rle")); }, ".rle", {}},
     {"npy", [](std::string_view bytes) { checkVoxels(parseNpyLabels(bytes, "a.npy")); }, ".npy", {}},

@@ -5,7 +5,6 @@
 #include <sherd/files.h>
 #include <sherd/mesh.h>
 #include <sys/resource.h>
-#include <zlib.h>
 
 #include <array>
 #include <chrono>
@@ -116,68 +115,8 @@ TEST_F(ReadAssimp, ReadsColladaWithNodesAndLooks) {
                                       "out"}));
 }
 
-// A ZIP file of stored entries.
-std::string zip(const std::vector<std::pair<std::string, std::string>>& files) {
-  std::string out, directory;
-  const auto entry = [](std::string& to, const std::string& name, const std::string& bytes) {
-    put(to, std::uint16_t{20});
-    put(to, std::uint16_t{0}), put(to, std::uint16_t{0});  // flags, stored
-    put(to, std::uint32_t{0x00210000});                    // 1980-01-01
-    put(to, static_cast<std::uint32_t>(::crc32(0, reinterpret_cast<const Bytef*>(bytes.data()),
-                                               static_cast<uInt>(bytes.size()))));
-    put(to, static_cast<std::uint32_t>(bytes.size()));
-    put(to, static_cast<std::uint32_t>(bytes.size()));
-    put(to, static_cast<std::uint16_t>(name.size()));
-    put(to, std::uint16_t{0});
-  };
-  for (const auto& [name, bytes] : files) {
-    const auto at = static_cast<std::uint32_t>(out.size());
-    out += "PK\3\4";
-    entry(out, name, bytes);
-    out += name + bytes;
-    directory += "PK\1\2";
-    put(directory, std::uint16_t{20});
-    entry(directory, name, bytes);
-    directory += std::string(10, '\0');
-    put(directory, at);
-    directory += name;
-  }
-  const auto from = static_cast<std::uint32_t>(out.size());
-  out += directory + "PK\5\6" + std::string(4, '\0');
-  put(out, static_cast<std::uint16_t>(files.size()));
-  put(out, static_cast<std::uint16_t>(files.size()));
-  put(out, static_cast<std::uint32_t>(directory.size()));
-  put(out, from);
-  return out + std::string(2, '\0');
-}
-
-TEST_F(ReadAssimp, Reads3mf) {
-  std::string model =
-      R"(<?xml version="1.0"?><model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">)"
-      R"(<resources><object id="1" type="model"><mesh><vertices>)";
-  for (const char* v : {"0 0 0", "1 0 0", "0 1 0", "0 0 1"}) {
-    std::istringstream in(v);
-    std::string x, y, z;
-    in >> x >> y >> z;
-    model += "<vertex x=\"" + x + "\" y=\"" + y + "\" z=\"" + z + "\"/>";
-  }
-  model += "</vertices><triangles>";
-  for (const glm::uvec3& t : tetrahedron().triangles)
-    model += "<triangle v1=\"" + std::to_string(t.x) + "\" v2=\"" + std::to_string(t.y) +
-             "\" v3=\"" + std::to_string(t.z) + "\"/>";
-  model += R"(</triangles></mesh></object></resources><build><item objectid="1"/></build></model>)";
-  const std::string bytes = zip(
-      {{"_rels/.rels",
-        R"(<?xml version="1.0"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">)"
-        R"(<Relationship Id="r" Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>)"
-        R"(</Relationships>)"},
-       {"3D/3dmodel.model", model}});
-  expectSameSurface(read("a.3mf", bytes).mesh, tetrahedron());
-}
-
 TEST_F(ReadAssimp, RefusesWhatAssimpRefuses) {
   EXPECT_EQ(refusal("a.fbx", "not an FBX").find("a.fbx: cannot be read (Assimp says: "), 0u);
-  EXPECT_EQ(refusal("b.3mf", "PK\3\4").find("b.3mf: cannot be read (Assimp "), 0u);
   const std::string whole = dae();
   for (std::size_t length = 1; length < whole.size(); length += 197)
     EXPECT_EQ(refusal("c.dae", whole.substr(0, length)).find("c.dae: "), 0u);

@@ -14,8 +14,9 @@ constexpr std::array<std::size_t, 3> kReversed{0, 2, 1};  // Houdini's order of 
 
 class Detail {
  public:
-  Detail(std::span<const GeoPiece> pieces, const ByteSink& sink, const Progress* progress)
-      : pieces_(pieces), text_(sink, progress) {
+  Detail(std::span<const GeoPiece> pieces, bool plain, const ByteSink& sink,
+         const Progress* progress)
+      : pieces_(pieces), plain_(plain), text_(sink, progress) {
     for (const GeoPiece& own : pieces) {
       counts_.points += own.piece.mesh.vertices.size();
       counts_.primitives += own.piece.mesh.triangles.size();
@@ -37,14 +38,16 @@ class Detail {
         first += own.piece.mesh.vertices.size();
       }
     });
-    vertices();
+    if (!plain_) vertices();
     points();
     primitives();
     text_.primitives(counts_.primitives, 3, true);
-    text_.openGroups();
-    side("inside", true);
-    side("outside", false);
-    text_.closeGroups();
+    if (!plain_) {
+      text_.openGroups();
+      side("inside", true);
+      side("outside", false);
+      text_.closeGroups();
+    }
     text_.finish();
   }
 
@@ -137,17 +140,19 @@ class Detail {
           }
         },
         ofTriangles([](const GeoPiece&, std::size_t i, std::size_t) { return i; }));
-    text_.attribute({.name = "neighbor", .isWhole = true},
-                    ofTriangles([](const GeoPiece& own, std::size_t, std::size_t t) {
-                      return own.piece.mesh.neighborOf(t);
-                    }));
+    if (!plain_) {
+      text_.attribute({.name = "neighbor", .isWhole = true},
+                      ofTriangles([](const GeoPiece& own, std::size_t, std::size_t t) {
+                        return own.piece.mesh.neighborOf(t);
+                      }));
+    }
     text_.attribute(
         {.name = "unreal_gc_piece", .isWhole = true},
         ofTriangles([](const GeoPiece& own, std::size_t, std::size_t) { return own.level; }));
     text_.attribute(
         {.name = "unreal_gc_cluster", .isWhole = true},
         ofTriangles([](const GeoPiece& own, std::size_t, std::size_t) { return own.cluster; }));
-    materials();
+    if (!plain_) materials();
     text_.closeAttributes();
   }
 
@@ -178,6 +183,7 @@ class Detail {
   }
 
   std::span<const GeoPiece> pieces_;
+  const bool plain_;
   GeoCounts counts_;
   GeoText text_;
 };
@@ -186,8 +192,9 @@ class Detail {
 
 std::string geoName(int id) { return "piece" + std::to_string(id); }
 
-void writeGeo(const OutputFile& file, std::span<const GeoPiece> pieces, const Progress* progress) {
-  file.write([&](const ByteSink& sink) { Detail(pieces, sink, progress).write(); });
+void writeGeo(const OutputFile& file, std::span<const GeoPiece> pieces, const Progress* progress,
+              bool plain) {
+  file.write([&](const ByteSink& sink) { Detail(pieces, plain, sink, progress).write(); });
 }
 
 }  // namespace sherd

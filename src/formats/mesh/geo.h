@@ -27,9 +27,10 @@ struct GeoPiece {
 /// Primitives are triangles, in Houdini's order, clockwise as seen from outside, with `name`,
 /// `neighbor`, unreal_gc_piece, unreal_gc_cluster, shop_materialpath where the input has materials,
 /// and groups `inside` and `outside`.  Vertices have N, uv and Cd where the input has them.
+///   plain   points, triangles, `name` and the attributes of Unreal only
 ///   source  GeoText; SideFX's Houdini Engine for Unreal, "Geometry Collections"
 ///   throws  Error(output); Error(cancelled)
 void writeGeo(const OutputFile& file, std::span<const GeoPiece> pieces,
-              const Progress* progress = nullptr);
+              const Progress* progress = nullptr, bool plain = false);
 
 }  // namespace sherd

@@ -1,4 +1,4 @@
-// Reads FBX, DAE and 3MF files by Assimp, in a separate process.
+// Reads FBX and DAE files by Assimp, in a separate process.
 #include "formats/mesh/read_assimp.h"
 
 #include <dlfcn.h>
@@ -223,9 +223,7 @@ RawMesh readByAssimp(const MeshFile& file, const AssimpLimits& limits) {
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw cannotStart("a pipe");
   const FileDescriptor from(ends[0]);
   FileDescriptor to(ends[1]);
-  const char* format = file.format == MeshFormat::fbx   ? "fbx"
-                       : file.format == MeshFormat::dae ? "dae"
-                                                        : "3mf";
+  const char* format = file.format == MeshFormat::fbx ? "fbx" : "dae";
   Child child(program,
               {format, std::to_string(limits.memoryMiB), std::to_string(limits.cpuSeconds)},
               in.number(), to.number());

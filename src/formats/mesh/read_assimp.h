@@ -1,4 +1,4 @@
-// Reads FBX, DAE and 3MF files by Assimp, in a separate process.
+// Reads FBX and DAE files by Assimp, in a separate process.
 #pragma once
 
 #include <cstdint>

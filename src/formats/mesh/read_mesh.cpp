@@ -25,6 +25,7 @@
 #include "formats/mesh/contradictions.h"
 #include "formats/mesh/merge.h"
 #include "formats/mesh/normals.h"
+#include "formats/mesh/read_3mf.h"
 #include "formats/mesh/read_assimp.h"
 #include "formats/mesh/read_binm.h"
 #include "formats/mesh/read_gltf.h"
@@ -170,9 +171,10 @@ RawMesh readRaw(const MeshFile& file) {
       return readGltf(file);
     case MeshFormat::binm:
       return readBinm(file);
+    case MeshFormat::threeMf:
+      return read3mf(file);
     case MeshFormat::fbx:
     case MeshFormat::dae:
-    case MeshFormat::threeMf:
       return readByAssimp(file, assimpLimits(file.bytes.size(), file.memory->left()));
   }
   return {};

@@ -37,7 +37,7 @@ struct FragmentScene {
   double density = 1.0;            ///< kilograms per cubic meter
   double strength = 1.0;           ///< newtons per square meter of a contact that break its joint
   CoordinateSystem coordinates{};  ///< of the meshes, masses and contacts
-  bool plain = false;  ///< in glTF: meshes have vertices and triangles only, no materials
+  bool plain = false;              ///< meshes have vertices and triangles only, no materials
 
   /// Kilograms per cubic unit of the coordinates.
   [[nodiscard]] double densityOfUnits() const {

@@ -6,7 +6,7 @@
 namespace sherd {
 
 /// Sets the unit and the upward axis of a mesh that Assimp read: of COLLADA meters, to which Assimp
-/// converts, and its `up_axis`; of 3MF its `unit`, and z up, as its specification has it.
+/// converts, and its `up_axis`.
 void setStatedCoordinates(const MeshFile& file, RawMesh& mesh);
 
 }  // namespace sherd

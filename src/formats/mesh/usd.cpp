@@ -4,6 +4,7 @@
 #include <sherd/error.h>
 
 #include <cmath>
+#include <functional>
 #include <glm/common.hpp>
 #include <limits>
 #include <utility>
@@ -66,7 +67,7 @@ class Layer {
       text_.line("quatf xformOp:orient = (0.5, 0.5, 0.5, 0.5)");
       text_.line("uniform token[] xformOpOrder = [\"xformOp:orient\"]");
     }
-    materials();
+    if (!scene_.plain) materials();
     text_.open("def Xform", "pieces");
     children(0, "/" + root_ + "/pieces");
     text_.close();
@@ -133,8 +134,9 @@ class Layer {
   void meshes(std::size_t i) {
     const ScenePiece& own = scene_.pieces[i];
     const auto mesh = [&](const PieceMesh& piece) {
-      writeUsdMesh(text_, names_[i], piece, own.mass.centroid,
-                   [this](std::uint32_t number) { return materialPath(number); });
+      std::function<std::string(std::uint32_t)> path;
+      if (!scene_.plain) path = [this](std::uint32_t number) { return materialPath(number); };
+      writeUsdMesh(text_, names_[i], piece, own.mass.centroid, path);
     };
     if (own.coarse.empty()) return mesh(own.piece);
     text_.line("variantSet \"lod\" = {");
@@ -268,7 +270,7 @@ void writeUsdz(const OutputFile& file, const FragmentScene& scene, const Progres
     };
     add("scene.usda", [&](const ByteSink& to) { Layer(scene, false, progress, to).write(); });
     for (const MaterialTable::Image& image : scene.pieces.front().piece.materials.textures) {
-      if (image.type == ImageType::other) continue;
+      if (scene.plain || image.type == ImageType::other) continue;
       add(scene.textureFolder + image.file, [&](const ByteSink& to) { to(image.bytes); });
     }
     zip.finish();

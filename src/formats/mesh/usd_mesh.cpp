@@ -135,21 +135,27 @@ std::string usdExtent(const TriangleMesh& mesh, const glm::dvec3& origin, double
 void writeUsdMesh(UsdText& text, const std::string& name, const PieceMesh& piece,
                   const glm::dvec3& origin,
                   const std::function<std::string(std::uint32_t)>& materialPath) {
+  const bool isPlain = !materialPath;
   text.open("def Mesh", name,
-            "\n    prepend apiSchemas = [\"MaterialBindingAPI\", \"PhysicsCollisionAPI\", "
-            "\"PhysicsMeshCollisionAPI\"]\n");
+            std::string("\n    prepend apiSchemas = [") +
+                (isPlain ? "" : "\"MaterialBindingAPI\", ") +
+                "\"PhysicsCollisionAPI\", \"PhysicsMeshCollisionAPI\"]\n");
   text.line("uniform bool doubleSided = 0");
   MeshPrim prim(text, piece);
   prim.points(origin);
   prim.topology();
-  prim.normals();
-  prim.texcoords();
-  prim.colors();
-  prim.neighbor();
+  if (!isPlain) {
+    prim.normals();
+    prim.texcoords();
+    prim.colors();
+    prim.neighbor();
+  }
   text.line("uniform token physics:approximation = \"convexHull\"");
   text.line("uniform token subdivisionScheme = \"none\"");
-  text.line("uniform token subsetFamily:materialBind:familyType = \"partition\"");
-  prim.subsets(materialPath);
+  if (!isPlain) {
+    text.line("uniform token subsetFamily:materialBind:familyType = \"partition\"");
+    prim.subsets(materialPath);
+  }
   text.close();
 }
 

@@ -17,7 +17,7 @@ namespace sherd {
 
 /// Writes a mesh as a prim with a convex hull as its collider, and its faces' materials as subsets.
 ///   origin        of the prim, in the mesh's coordinates
-///   materialPath  of a number of piece.materials
+///   materialPath  of a number of piece.materials; null: vertices, triangles and collider only
 void writeUsdMesh(UsdText& text, const std::string& name, const PieceMesh& piece,
                   const glm::dvec3& origin,
                   const std::function<std::string(std::uint32_t)>& materialPath);
