@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "dataset/dataset_run.h"
 #include "dataset/distinct.h"
-#include "dataset/object_run.h"
 #include "pipeline/fracture_stages.h"
 
 namespace sherd {

@@ -24,9 +24,9 @@
 #include "dataset/hdf5_part.h"
 #include "dataset/hdf5_record.h"
 #include "dataset/identity.h"
-#include "dataset/index.h"
 #include "dataset/json_fields.h"
 #include "dataset/object_folder.h"
+#include "dataset/split_of.h"
 #include "formats/arrays/hdf5_file.h"
 
 namespace sherd {

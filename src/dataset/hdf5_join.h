@@ -13,29 +13,14 @@
 #include <string>
 #include <vector>
 
+#include "dataset/joined_file.h"
 #include "dataset/journal.h"
 #include "dataset/plan.h"
 
 namespace sherd {
 
-inline constexpr const char* kHdf5Stem = "fractures";
-
 /// Returns the path of an object's group in the joined file.
 [[nodiscard]] std::string hdf5Group(const LibraryObject& object);
-
-/// A joined file, from the record beside it.
-struct JoinedFile {
-  std::string name;  ///< "fractures.hdf5", or "fractures_2_of_4.hdf5" of a shard
-  std::uint64_t bytes = 0;
-  std::string sha256;
-  std::map<std::string, std::string> objects;  ///< by key the SHA-256 of the object's mesh
-
-  /// Whether it has the fractures of an object as it is now.
-  [[nodiscard]] bool holds(const LibraryObject& object, const std::string& meshSum) const {
-    const auto found = objects.find(object.key);
-    return found != objects.end() && found->second == meshSum;
-  }
-};
 
 /// Returns the joined files of a dataset that have the recorded size: one that was cut, or is
 /// absent, is left out, and so are files without a record.

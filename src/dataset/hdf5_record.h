@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/hdf5_join.h"
+#include "dataset/joined_file.h"
 
 namespace sherd {
 

@@ -12,10 +12,6 @@
 
 namespace sherd {
 
-/// Returns the subset of an object: "train", "val" or "test".  It depends on the key and the shares
-/// only, so adding objects moves none.
-[[nodiscard]] std::string splitOf(const std::string& key, const std::array<int, 3>& shares);
-
 /// The content of all journals.
 struct DatasetIndex {
   DatasetSummary summary;

@@ -34,6 +34,7 @@
 #include "dataset/layout.h"
 #include "dataset/object_folder.h"
 #include "dataset/pfpp.h"
+#include "dataset/split_of.h"
 #include "dataset/stored_object.h"
 #include "dataset/thumbnails.h"
 #include "folder/fracture_files.h"

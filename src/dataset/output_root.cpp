@@ -16,6 +16,7 @@
 #include "dataset/journal.h"
 #include "dataset/object_folder.h"
 #include "dataset/pfpp.h"
+#include "dataset/split_of.h"
 
 namespace sherd {
 namespace {

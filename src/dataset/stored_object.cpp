@@ -6,6 +6,7 @@
 #include "dataset/index.h"
 #include "dataset/object_folder.h"
 #include "dataset/pfpp.h"
+#include "dataset/split_of.h"
 
 namespace sherd {
 

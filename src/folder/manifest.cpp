@@ -252,35 +252,6 @@ void addFiles(Json& manifest, const FractureFiles& files) {
 
 }  // namespace
 
-std::vector<std::string> FractureFiles::all() const {
-  std::vector<std::string> list;
-  list.insert(list.end(), labels.begin(), labels.end());
-  list.insert(list.end(), vdb.begin(), vdb.end());
-  for (const std::vector<std::string>& ofFragment : mesh) {
-    list.insert(list.end(), ofFragment.begin(), ofFragment.end());
-  }
-  list.insert(list.end(), solidMesh.begin(), solidMesh.end());
-  list.insert(list.end(), proxy.begin(), proxy.end());
-  if (!materials.empty()) list.push_back(materials);
-  list.insert(list.end(), textures.begin(), textures.end());
-  for (const std::vector<std::string>& ofFragment : points) {
-    list.insert(list.end(), ofFragment.begin(), ofFragment.end());
-  }
-  list.insert(list.end(), sdf.begin(), sdf.end());
-  for (const auto& ofFragment : coarse) {
-    for (const std::vector<std::string>& ofOne : ofFragment) {
-      list.insert(list.end(), ofOne.begin(), ofOne.end());
-    }
-  }
-  list.insert(list.end(), usd.begin(), usd.end());
-  list.insert(list.end(), houdini.begin(), houdini.end());
-  for (const std::string& file : {allVdb, solidVdb, solidSdf, correspondences, preview, seeds,
-                                  boundaries, cost, scene, graph, constraints, viewer}) {
-    if (!file.empty()) list.push_back(file);
-  }
-  return list;
-}
-
 std::vector<MeshFacts> meshFacts(std::span<const Fragment> fragments, const InputBodies& bodies) {
   std::vector<MeshFacts> facts(fragments.size());
   tbb::parallel_for(std::size_t{0}, facts.size(), [&](std::size_t i) {

@@ -12,42 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "folder/file_names.h"
 #include "folder/input_bodies.h"
 
 namespace sherd {
-
-/// The files of a fracture, relative to its folder; empty where not written.
-struct FractureFiles {
-  std::vector<std::string> labels;  ///< [formats] or empty
-  std::vector<std::string> vdb;     ///< [fragments that are not withheld] or empty
-  std::string allVdb;               ///< all fragments in one file
-  std::string solidVdb;
-  std::vector<std::vector<std::string>> mesh;  ///< [fragments that are not withheld][formats] or
-                                               ///< empty
-  std::vector<std::vector<std::vector<std::string>>>
-      coarse;                          ///< [as mesh][SurfaceOptions::triangles][formats] or empty
-  std::vector<std::string> solidMesh;  ///< [formats] or empty
-  std::string materials;               ///< the material library of .obj files
-  std::vector<std::string> textures;   ///< [MaterialTable::textures] or empty
-  std::vector<std::vector<std::string>> points;  ///< [fragments that are not withheld][formats] or
-                                                 ///< empty
-  std::vector<std::string> sdf;                  ///< [fragments that are not withheld] or empty
-  std::vector<std::string> proxy;                ///< [fragments that are not withheld] or empty
-  std::string solidSdf;
-  std::string correspondences;
-  std::string preview;
-  std::string seeds;
-  std::string boundaries;
-  std::string cost;
-  std::string scene;
-  std::vector<std::string> usd;      ///< [formats] or empty
-  std::vector<std::string> houdini;  ///< of the meshes, then of each number of triangles
-  std::string graph;
-  std::string constraints;
-  std::string viewer;
-
-  std::vector<std::string> all() const;
-};
 
 /// Metrics of a fragment's mesh in the manifest.
 struct MeshFacts {

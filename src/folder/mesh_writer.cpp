@@ -9,8 +9,12 @@
 #include "folder/split_levels.h"
 #include "folder/split_parents.h"
 #include "formats/mesh/geo.h"
+#include "formats/mesh/glb.h"
+#include "formats/mesh/obj.h"
 #include "formats/mesh/piece_mesh.h"
+#include "formats/mesh/ply.h"
 #include "formats/mesh/usd.h"
+#include "formats/mesh/write_mesh.h"
 #include "formats/voxels/vdb_unit.h"
 
 namespace sherd {

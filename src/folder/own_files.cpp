@@ -11,7 +11,7 @@
 #include <unordered_set>
 
 #include "folder/file_names.h"
-#include "folder/read_manifest.h"
+#include "folder/listed_files.h"
 
 namespace sherd {
 namespace {

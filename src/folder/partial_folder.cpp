@@ -20,8 +20,8 @@
 #include "base/files/below_folder.h"
 #include "base/input_error.h"
 #include "folder/file_names.h"
+#include "folder/listed_files.h"
 #include "folder/own_files.h"
-#include "folder/read_manifest.h"
 
 namespace sherd {
 namespace {

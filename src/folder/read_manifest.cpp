@@ -22,9 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr const char* kKind = "manifest of a fracture";
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{1}
-                                        << 30;  // 65,534 fragments take a third of it
 constexpr double kAnyNumber = std::numeric_limits<double>::max();
 constexpr double kFarthestVoxel = 1 << 30;  // so that differences fit in an int
 
@@ -96,23 +93,12 @@ glm::dvec3 vectorIn(const Json& list, const std::string& what) {
 
 // ---- Files
 
-// Whether a name is valid for a fracture's file: not the manifest, and not in kPartialName.
-bool isFractureFile(const std::string& name) {
-  return isBelowFolder(name) && name != kManifestName && *fs::path(name).begin() != kPartialName;
-}
-
 using Names = std::unordered_set<std::string>;
 
 std::string listed(const Json& value, const Names& files, const std::string& what) {
   const std::string name = text(value, what);
   if (!files.contains(name)) damaged(what + " is not in its list of files");
   return name;
-}
-
-bool hasKnownSchema(const Json& json) {
-  if (!json.is_object()) return false;
-  const Json schema = json.value("schema", Json());
-  return schema == kManifestSchema || schema == kFormerManifestSchema;
 }
 
 ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
@@ -265,7 +251,7 @@ Manifest readManifest(const fs::path& file) {
 
 Manifest readManifest(const fs::path& file, Json& json) {
   requireSettled(file);
-  json = readJson(file, kKind, kLargestFile);
+  json = readManifestJson(file);
   try {
     return manifestOf(json);
   } catch (const Error& e) {
@@ -279,44 +265,6 @@ fs::path listedFile(const fs::path& manifest, const std::string& name) {
     inputError(manifest, "lists '" + name + "', which leaves the folder by a symbolic link");
   }
   return folder / name;
-}
-
-std::optional<std::vector<std::string>> listedFiles(const Json& manifest) {
-  const auto found = manifest.find("files");
-  if (found == manifest.end() || !found->is_array()) return {};
-  std::vector<std::string> files;
-  for (const Json& entry : *found) {
-    if (!entry.is_string() || !isFractureFile(entry.get_ref<const std::string&>())) return {};
-    files.push_back(entry.get<std::string>());
-  }
-  return files;
-}
-
-std::optional<Json> manifestJson(const fs::path& file) {
-  std::error_code none;
-  if (!fs::is_regular_file(fs::symlink_status(file, none))) return {};
-  try {
-    Json json = readJson(file, kKind, kLargestFile);
-    if (!hasKnownSchema(json)) return {};
-    return json;
-  } catch (const Error&) {
-    return {};
-  }
-}
-
-std::optional<fs::path> manifestListing(const fs::path& file) {
-  for (fs::path folder = file.parent_path();; folder = folder.parent_path()) {
-    const fs::path manifest = folder / kManifestName;
-    if (const auto json = manifestJson(manifest)) {
-      const std::string name = file.lexically_relative(folder).generic_string();
-      const std::optional<std::vector<std::string>> files = listedFiles(*json);
-      if (name == kManifestName ||
-          (files && std::find(files->begin(), files->end(), name) != files->end())) {
-        return manifest;
-      }
-    }
-    if (folder == folder.parent_path()) return {};
-  }
 }
 
 }  // namespace sherd

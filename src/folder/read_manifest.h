@@ -6,16 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
-#include <vector>
+
+#include "folder/listed_files.h"
 
 namespace sherd {
-
-inline constexpr const char* kManifestSchema = "sherd/2";
-inline constexpr const char* kFormerManifestSchema = "sherd/1";  ///< read too, never written
-inline constexpr const char* kAutomatic = "auto";              ///< options.resolution if automatic
-inline constexpr const char* kPartialName = ".sherd-partial";  ///< folder of an unfinished fracture
 
 /// Converts a manifest's JSON.
 ///   throws  Error(input) without the file's name: another schema, a field that is missing, of
@@ -30,12 +25,5 @@ inline constexpr const char* kPartialName = ".sherd-partial";  ///< folder of an
 ///   throws  Error(input) a symbolic link on the way leads out of the manifest's folder
 [[nodiscard]] std::filesystem::path listedFile(const std::filesystem::path& manifest,
                                                const std::string& name);
-
-/// Returns the files that a manifest lists; nothing unless each satisfies isBelowFolder and is
-/// neither the manifest nor in kPartialName.
-[[nodiscard]] std::optional<std::vector<std::string>> listedFiles(const nlohmann::json& manifest);
-
-/// Returns a file's JSON if it has a manifest's schema; other fields are not checked.
-[[nodiscard]] std::optional<nlohmann::json> manifestJson(const std::filesystem::path& file);
 
 }  // namespace sherd

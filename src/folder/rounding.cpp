@@ -5,7 +5,7 @@
 
 #include "base/text/formatted.h"
 #include "base/text/option_text.h"
-#include "formats/mesh/piece_mesh.h"
+#include "formats/mesh/write_mesh.h"
 #include "mesh/single_rounding.h"
 
 namespace sherd {

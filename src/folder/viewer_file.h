@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "folder/fracture_files.h"
+#include "folder/fracture_writer.h"
 #include "viewer/scene.h"
 
 namespace sherd {

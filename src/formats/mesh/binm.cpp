@@ -1,6 +1,8 @@
 // Writes meshes as the paper's `.binm`: positions and faces.
 //
 //     u32 V | f32 x, y, z, thirteen 0, of each vertex | u32 F | u32 a, b, c, 0, of each face
+#include "formats/mesh/binm.h"
+
 #include "base/little_endian.h"
 #include "formats/mesh/piece_mesh.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "formats/mesh/geo_text.h"
-#include "formats/mesh/usd_text.h"
+#include "formats/mesh/identifiers.h"
 
 namespace sherd {
 namespace {
@@ -159,7 +159,7 @@ class Detail {
   // Nothing of an input without materials, so that Houdini looks for none.
   void materials() {
     if (!any([](const SurfaceAttributes& a) { return !a.material.empty(); })) return;
-    const std::vector<std::string> names = usdNames(pieces_.front().piece.materials);
+    const std::vector<std::string> names = identifiersOf(pieces_.front().piece.materials);
     text_.strings(
         "shop_materialpath",
         [&](const auto& add) {

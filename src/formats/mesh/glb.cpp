@@ -1,4 +1,6 @@
 // Writes a mesh as binary glTF.
+#include "formats/mesh/glb.h"
+
 #include "formats/mesh/glb_file.h"
 #include "formats/mesh/glb_materials.h"
 #include "formats/mesh/glb_mesh.h"

@@ -13,6 +13,8 @@
 #include "base/text/safe_name.h"
 #include "base/text/text_scan.h"
 #include "formats/mesh/piece_mesh.h"
+#include "formats/mesh/ply.h"
+#include "formats/mesh/write_mesh.h"
 #include "mesh/single_rounding.h"
 
 namespace sherd {

@@ -1,4 +1,6 @@
 // Writes meshes as OBJ.
+#include "formats/mesh/obj.h"
+
 #include <algorithm>
 #include <array>
 #include <numeric>

@@ -197,22 +197,4 @@ std::vector<std::array<glm::vec3, 3>> shortNormals(const PieceMesh& piece) {
   return normals;
 }
 
-void writePiece(const OutputFile& file, MeshFileFormat format, const PieceMesh& piece,
-                const std::string& library) {
-  switch (format) {
-    case MeshFileFormat::ply:
-      return writePiecePly(file, piece);
-    case MeshFileFormat::obj:
-      return writePieceObj(file, piece, library);
-    case MeshFileFormat::glb:
-      return writePieceGlb(file, piece);
-    case MeshFileFormat::stl:
-      return writePieceStl(file, piece);
-    case MeshFileFormat::stlText:
-      return writePieceStlText(file, piece);
-    case MeshFileFormat::binm:
-      return writePieceBinm(file, piece);
-  }
-}
-
 }  // namespace sherd

@@ -84,46 +84,4 @@ struct SplitCorners {
 ///   return  [triangles]
 [[nodiscard]] std::vector<std::array<glm::vec3, 3>> shortNormals(const PieceMesh& piece);
 
-/// Writes binary little-endian PLY with one vertex for each of the mesh's, so it stays closed.
-/// With PieceMesh::input its polygons are one face each where they are whole.
-///   throws  Error(output), as all of them
-void writePiecePly(const OutputFile& file, const PieceMesh& piece);
-
-/// Writes OBJ with normals, and with texture coordinates and colors if present.  With
-/// PieceMesh::input its polygons are one face each where they are whole, and its objects are
-/// groups, beside a group "inside".
-///   library  the file of mtlText(piece.materials), beside it; empty: no materials are named
-void writePieceObj(const OutputFile& file, const PieceMesh& piece, const std::string& library);
-
-/// Returns whether vertices can be written in double precision.
-[[nodiscard]] inline bool holdsDoubles(MeshFileFormat format) {
-  return format == MeshFileFormat::ply || format == MeshFileFormat::obj ||
-         format == MeshFileFormat::stlText;
-}
-
-/// Writes PLY, OBJ and binary glTF with vertices and triangles only.
-void writePlainPly(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
-void writePlainObj(const OutputFile& file, const TriangleMesh& mesh, bool isDouble = false);
-void writePlainGlb(const OutputFile& file, const std::string& name, const TriangleMesh& mesh,
-                   const CoordinateSystem& coordinates);
-
-/// Writes binary STL: triangles with their normals only.
-void writePieceStl(const OutputFile& file, const PieceMesh& piece);
-
-/// Writes text STL.
-void writePieceStlText(const OutputFile& file, const PieceMesh& piece);
-
-/// Writes the paper's `.binm`: positions and faces only.
-void writePieceBinm(const OutputFile& file, const PieceMesh& piece);
-
-/// Writes a mesh in a format, by the functions above or writePieceGlb.
-///   library  of materials, for OBJ; see writePieceObj
-///   throws   Error(output)
-void writePiece(const OutputFile& file, MeshFileFormat format, const PieceMesh& piece,
-                const std::string& library);
-
-/// Writes binary glTF 2.0 with embedded PNG and JPEG textures: one node with one mesh, see
-/// addGlbMesh, below one that converts coordinates to glTF's where they are not.
-void writePieceGlb(const OutputFile& file, const PieceMesh& piece);
-
 }  // namespace sherd

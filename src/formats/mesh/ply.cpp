@@ -1,4 +1,6 @@
 // Writes meshes as binary little-endian PLY.
+#include "formats/mesh/ply.h"
+
 #include <sherd/files.h>
 
 #include <algorithm>

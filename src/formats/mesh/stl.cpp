@@ -1,6 +1,8 @@
 // Writes meshes as STL, binary and text.
 //
 //     80 bytes of text | u32 triangles | normal, three corners, u16 0 for each
+#include "formats/mesh/stl.h"
+
 #include <algorithm>
 #include <glm/geometric.hpp>
 

@@ -12,6 +12,7 @@
 #include "base/cancel_flag.h"
 #include "base/version.h"
 #include "formats/arrays/zip_writer.h"
+#include "formats/mesh/identifiers.h"
 #include "formats/mesh/joint_strength.h"
 #include "formats/mesh/usd_material.h"
 #include "formats/mesh/usd_mesh.h"
@@ -41,12 +42,12 @@ class Layer {
         progress_(progress),
         hasVolumes_(hasVolumes),
         text_(sink),
-        root_(usdName(scene.name)),
+        root_(identifierOf(scene.name)),
         names_(scene.pieces.size()),
         paths_(scene.pieces.size()),
         levels_(levelsOf(scene)) {
     for (std::size_t i = 0; i < scene.pieces.size(); ++i) {
-      names_[i] = usdName(scene.pieces[i].piece.name);
+      names_[i] = identifierOf(scene.pieces[i].piece.name);
     }
   }
 
@@ -84,7 +85,7 @@ class Layer {
 
   void materials() {
     const MaterialTable& table = scene_.pieces.front().piece.materials;
-    materialNames_ = usdNames(table);
+    materialNames_ = identifiersOf(table);
     text_.open("def Scope", "materials");
     for (std::uint32_t m = 0; m < table.materials.size(); ++m) {
       writeUsdMaterial(text_, materialPath(m), table, m, scene_.pieces.front().piece.attributes,

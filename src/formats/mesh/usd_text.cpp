@@ -1,13 +1,8 @@
 // Text of USD layers.
 #include "formats/mesh/usd_text.h"
 
-#include <set>
-
 namespace sherd {
 namespace {
-
-bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
 template <class Number, class Vector>
 std::string vectorText(const Vector& v) {
@@ -20,24 +15,6 @@ std::string vectorText(const Vector& v) {
 }
 
 }  // namespace
-
-std::string usdName(std::string_view text) {
-  std::string name;
-  for (const char c : text) name += isLetter(c) || isDigit(c) ? c : '_';
-  return name.empty() || isDigit(name.front()) ? "_" + name : name;
-}
-
-std::vector<std::string> usdNames(const MaterialTable& table) {
-  std::vector<std::string> names;
-  std::set<std::string> taken;
-  for (const MaterialTable::Entry& entry : table.materials) {
-    const std::string name = usdName(entry.name);
-    std::string unique = name;
-    for (int i = 2; !taken.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
-    names.push_back(std::move(unique));
-  }
-  return names;
-}
 
 std::string usdString(std::string_view text) {
   constexpr std::string_view kHex = "0123456789abcdef";

@@ -16,12 +16,6 @@
 
 namespace sherd {
 
-/// Returns text as the name of a prim: letters, digits and '_', the first no digit, not empty.
-[[nodiscard]] std::string usdName(std::string_view text);
-
-/// Returns [materials] a unique name of each, as usdName.
-[[nodiscard]] std::vector<std::string> usdNames(const MaterialTable& table);
-
 /// Returns text as a string of a layer, in quotes.
 [[nodiscard]] std::string usdString(std::string_view text);
 
