@@ -669,6 +669,24 @@ TEST(Fill, ChangesOfSideInRealMeshesHaveASurface) {
   }
 }
 
+// Where faces pass exactly through centers of voxels, steps from these began on either side: parts
+// of the surface were missing, and the inside took all memory.
+TEST(Fill, BodiesThatCrossMayHaveFacesAtTheCentersOfVoxels) {
+  for (const double rounding : {0.0, 0x1p-24}) {  // as of single precision
+    for (const int resolution : {20, 50, 98, 100}) {
+      const double h = 2.0 / resolution, t = std::max(4.0, resolution / 20.0) * h / 2.0;
+      TriangleMesh cross =
+          shapes::append(shapes::box({2.0, 1.0, 2.0 * t}), shapes::box({2.0 * t, 1.0, 2.0}));
+      for (glm::dvec3& v : cross.vertices) v *= 1.0 + rounding;
+      const SearchedMesh mesh =
+          searched(shapes::transformed(cross, 1.0 / h, glm::dvec3(1.0, 0.5, 1.0) / h - 0.5));
+      const auto [steps, leaks] = stepsThrough(mesh.mesh);
+      EXPECT_GT(steps, 1000) << resolution;
+      EXPECT_EQ(leaks, 0) << resolution << " " << rounding;
+    }
+  }
+}
+
 // ---- Shells
 
 TEST(Fill, ASheetThatEnclosesNothingBecomesAShell) {
