@@ -162,7 +162,10 @@ std::vector<SheetFace> keepSurfaces(std::span<const glm::uvec3> triangles, Once&
       all.isKept[front] = true;
       continue;
     }
-    sheets.push_back({triangles[front], front, all.behind[i], isOpen[groupOf[i]] == 0});
+    sheets.push_back({.corners = triangles[front],
+                      .front = front,
+                      .back = all.behind[i],
+                      .isBetweenOthers = isOpen[groupOf[i]] == 0});
   }
   return sheets;
 }

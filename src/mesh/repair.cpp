@@ -205,6 +205,7 @@ void moveFlatSheets(Repaired& out, const TriangleMesh& mesh,
   for (SheetFace face : flat.faces) {
     face.front = out.source[face.front];
     face.back = out.source[face.back];
+    face.other = out.source[face.other];
     out.sheets.push_back(face);
   }
   std::vector<std::uint32_t> kept;

@@ -107,6 +107,7 @@ class Flats {
     const std::array<glm::dvec3, 3> t = corners(start);
     const glm::dvec3 across = areaNormal(t);
     const double length = glm::length(across);
+    start_ = start;
     group_.assign(1, start);
     groupOf_[start] = start;
     if (!(length > 0.0)) return;
@@ -175,12 +176,19 @@ class Flats {
         backs.push_back(triangle);
       }
     }
+    const std::uint32_t group = fronts.size() == backs.size() ? start_ + 1 : 0;
     const TriangleTree tree(behind);
+    std::size_t next = 0;
     for (const auto& [key, at] : fronts) {
       const std::uint32_t nearest =
           tree.nearest(centroidOf(corners(at)), std::numeric_limits<double>::infinity()).triangle;
       if (nearest == TriangleTree::kNone) continue;
-      out.faces.push_back({mesh_.triangles[among_[at]], among_[at], backs[tree.source(nearest)]});
+      out.faces.push_back({.corners = mesh_.triangles[among_[at]],
+                           .front = among_[at],
+                           .back = backs[tree.source(nearest)],
+                           .group = group,
+                           .groupSize = static_cast<std::uint32_t>(fronts.size()),
+                           .other = group == 0 ? 0 : backs[next++]});
     }
   }
 
@@ -190,6 +198,7 @@ class Flats {
   const double slack_;
   std::vector<std::uint32_t> groupOf_;  // [among] its first triangle
   std::vector<std::uint32_t> group_;
+  std::uint32_t start_ = 0;  // the group's first triangle
   glm::dvec3 normal_{0.0};
 };
 

@@ -16,6 +16,10 @@ struct SheetFace {
   glm::uvec3 corners{0};         ///< counterclockwise from the front
   std::uint32_t front = 0;       ///< the mesh's triangle
   std::uint32_t back = 0;        ///< the one behind
+  std::uint32_t group = 0;       ///< of flat faces, consecutive and from 1, whose other side has as
+                                 ///< many triangles; 0: none
+  std::uint32_t groupSize = 0;   ///< faces of the group
+  std::uint32_t other = 0;       ///< one of these triangles, each once
   bool isBetweenOthers = false;  ///< all edges around the sheet are edges of other triangles too
 };
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -53,6 +55,44 @@ TriangleMesh inIndexSpace(const TriangleMesh& mesh, const GridFrame& frame) {
   return out;
 }
 
+// Gives a group of flat faces, on the side that shows their others, the triangles of these.
+//   first  of the faces, in the order of the shells
+void useOthers(SolidMesh& shells, std::span<const SheetFace> faces, std::size_t first,
+               const TriangleMesh& mesh) {
+  std::map<std::uint32_t, std::uint32_t> at;  // vertices of that side by those of the mesh
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::size_t front = 2 * (first + i);
+    const glm::uvec3 c = shells.mesh.triangles[front];
+    const bool isTurned = faces[i].corners != mesh.triangles[faces[i].front];
+    const std::uint32_t away = isTurned ? 0 : shells.mesh.triangles[front + 1].x - c.x;
+    for (int k = 0; k < 3; ++k) {
+      if (at.try_emplace(faces[i].corners[k], c[k] + away).first->second != c[k] + away) return;
+    }
+    shown.push_back(isTurned ? front : front + 1);
+  }
+  for (const SheetFace& face : faces) {
+    for (int k = 0; k < 3; ++k) {
+      if (!at.contains(mesh.triangles[face.other][k])) return;
+    }
+  }
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[faces[i].other];
+    shells.mesh.triangles[shown[i]] = {at[t.x], at[t.y], at[t.z]};
+    shells.source[shown[i]] = faces[i].other;
+  }
+}
+
+// The same for all groups of which no face was left out.
+void useOthers(SolidMesh& shells, const std::vector<SheetFace>& faces, const TriangleMesh& mesh) {
+  for (std::size_t i = 0, end = 0; i < faces.size(); i = end) {
+    end = i + 1;
+    while (end < faces.size() && faces[end].group == faces[i].group) ++end;
+    const bool isWhole = faces[i].group != 0 && end - i == faces[i].groupSize;
+    if (isWhole) useOthers(shells, std::span(faces).subspan(i, end - i), i, mesh);
+  }
+}
+
 // Sets the mesh of what is left by repair, with shells of its sheets.
 void setClean(MeshInGrid& out, Repaired&& repaired, const SolidOptions& options) {
   out.source = std::move(repaired.source);
@@ -70,6 +110,7 @@ void setClean(MeshInGrid& out, Repaired&& repaired, const SolidOptions& options)
     sheets.back.push_back(face.back);
   }
   SolidMesh shells = shellMesh(sheets, thickness);
+  useOthers(shells, out.sheets, out.mesh);
   out.source.insert(out.source.end(), shells.source.begin(), shells.source.end());
   out.clean = searched(joined(repaired.mesh, std::move(shells.mesh)));
   out.apart = {searched(std::move(repaired.mesh)), std::move(sheets.mesh)};
