@@ -17,8 +17,8 @@
 #include "exact/self_crossings.h"
 #include "mesh/edges.h"
 #include "mesh/triangle_area.h"
-#include "surface/shell_mesh.h"
 #include "voxelize/caps.h"
+#include "voxelize/shell_mesh.h"
 #include "voxelize/winding.h"
 
 namespace sherd {

@@ -29,7 +29,7 @@
 #include "shapes.h"
 #include "surface/bodies.h"
 #include "surface/part_edges.h"
-#include "surface/shell_mesh.h"
+#include "voxelize/shell_mesh.h"
 
 namespace {
 

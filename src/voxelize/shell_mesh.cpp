@@ -1,5 +1,5 @@
 // The closed mesh of a shell, for Surface::exact.
-#include "surface/shell_mesh.h"
+#include "voxelize/shell_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -140,7 +140,8 @@ SolidMesh shellMesh(const SolidMesh& sheets, double thickness) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3 front{all.vertexOf(t, 0), all.vertexOf(t, 1), all.vertexOf(t, 2)};
     add(front, sheets.source[t]);
-    add({front.x + back, front.z + back, front.y + back}, sheets.source[t]);
+    add({front.x + back, front.z + back, front.y + back},
+        sheets.back.empty() ? sheets.source[t] : sheets.back[t]);
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
