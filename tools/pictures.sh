@@ -14,3 +14,4 @@ trap 'rm -rf "$work"' EXIT
 "$sherd" fracture data/amphora.ply -o "$work/pieces" --pieces 8 --seed 1 --write mesh --quiet
 "$sherd" render "$work/pieces" -o docs/images/amphora.png
 /usr/bin/python3 tools/gallery.py "$sherd" docs
+/usr/bin/python3 tools/impact_pictures.py "$sherd" docs

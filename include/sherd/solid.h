@@ -196,7 +196,8 @@ struct SolidOptions {
   double voxelSize = 0.0;            ///< world units per voxel; 0: from resolution
   Fill fill = Fill::automatic;
   double shellThickness = 0.0;  ///< world units, at most the mesh's longest side; 0: 2.5 voxels.
-                                ///< For Fill::shell; with Fill::automatic, above 0 selects a shell
+                                ///< For Fill::shell; with Fill::automatic, above 0 selects a
+                                ///< shell; with Fill::winding, of sheets with both sides
   MeetingBodies bodies = MeetingBodies::unite;
   std::vector<std::uint32_t> objects{};  ///< [triangles] the object of each, or empty: with
                                          ///< MeetingBodies::keep closed objects are bodies of their
@@ -220,6 +221,8 @@ struct SolidReport {
   bool isThinnerThanVoxels = false;  ///< no voxel center lies inside the closed mesh: with
                                      ///< SolidOptions::keepMesh the voxels are a shell around it
   double shellThickness = 0.0;       ///< world units, of a shell; else 0
+  double sheetThickness = 0.0;       ///< world units, of the shells that are made of sheets with
+                                     ///< both sides beside what is filled otherwise; 0 if none are
   double meshVolume = 0.0;  ///< of the mesh by the divergence theorem, with components oriented
                             ///< outwards and holes closed; 0 for a shell
   WallThickness walls{};
@@ -247,6 +250,8 @@ struct SolidMesh {
   std::vector<std::uint32_t> body{};   ///< [triangles] with MeetingBodies::keep: the body of each,
                                        ///< numbered from 0 in the order of first triangles; empty:
                                        ///< bodies that overlap or touch are one
+  std::vector<std::uint32_t> back{};   ///< [triangles] of the middle of a shell: index in the input
+                                       ///< of the triangle behind, or the same; empty: the same
 };
 
 /// Holes of the input that Surface::exact closes by faces of their own.

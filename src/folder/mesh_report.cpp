@@ -203,6 +203,7 @@ nlohmann::ordered_json reportJson(const SourceMesh& source, const FractureResult
   } else {
     json["mesh_volume"] = meshVolume(result);
   }
+  if (report.sheetThickness > 0.0) json["sheet_thickness"] = report.sheetThickness;
   json["solid_volume"] = solidVolume(result);
   if (const ClosedHoles& closed = result.united.closed; closed.holes > 0) {
     json["closed_holes"] = {
@@ -246,6 +247,11 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
   std::string done =
       std::string("filled by ") + names::of(names::kFill, report.fill) + ": " + report.fillReason;
   if (report.fill == Fill::shell) done += "; a shell " + text(report.shellThickness) + " thick";
+  if (report.sheetThickness > 0.0) {
+    done += "; " + counted(defects.sheetTriangles, "triangle") +
+            " on both sides of sheets, as of leaves, made shells " + text(report.sheetThickness) +
+            " thick";
+  }
   if (defects.flippedTriangles > 0) {
     done += "; " + counted(defects.flippedTriangles, "triangle") + " flipped";
   }
@@ -289,10 +295,10 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
   if (std::string united = unitedText(result.united); !united.empty()) {
     warnings.push_back(titleOf(source) + ": " + std::move(united));
   }
-  if (defects.sheetTriangles > 0 && report.fill != Fill::shell) {
+  if (defects.sheetTriangles > 0 && report.fill != Fill::shell && report.sheetThickness == 0.0) {
     warnings.push_back(titleOf(source) + ": " + counted(defects.sheetTriangles, "triangle") +
-                       " on both sides of sheets, as of leaves, enclose nothing and are lost; the "
-                       "fill shell keeps them");
+                       " on both sides of sheets are so few that they are left out; the fill shell "
+                       "keeps them");
   }
   for (std::string& clause : smallPieces(result)) {
     warnings.push_back(titleOf(source) + ": " + std::move(clause));

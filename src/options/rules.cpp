@@ -67,9 +67,9 @@ std::vector<Rule> solidRules() {
        Verdict::conflict,
        [](O o, U) {
          const Fill fill = o.fracture.solid.fill;
-         return fill != Fill::automatic && fill != Fill::shell;
+         return fill == Fill::parity || fill == Fill::flood;
        },
-       "makes a shell, which {fill} winding, parity and flood do not; omit one of them"},
+       "makes a shell, which {fill} parity and flood do not; omit one of them"},
       {{"bodies"},
        Verdict::conflict,
        [](O o, U) {

@@ -122,11 +122,12 @@ const Row kSolidRows[]{
     {.name = "shell-thickness",
      .group = "Solid",
      .value = V::number(kSolid, &SolidOptions::shellThickness, aboveZero()),
-     .help = "Make a shell of this thickness about the surface, in the mesh's own unit, at most "
-             "its longest side; default of --fill shell: two and a half voxels",
+     .help = "Make a shell of this thickness about the surface, with --fill winding about sheets "
+             "with both sides alone, in the mesh's own unit, at most its longest side; default: "
+             "two and a half voxels",
      .details = "make a shell of this thickness around the surface; with `--fill auto` it "
-                "selects `shell`; at most the mesh's longest side; default of `--fill "
-                "shell`: 2.5 voxels",
+                "selects `shell`, with `--fill winding` it applies to sheets with both sides; at "
+                "most the mesh's longest side; default of shells: 2.5 voxels",
      .key = "shell_thickness",
      .recorded = [](R o) { return o.fracture.solid.shellThickness > 0.0; },
      .unit = "world units"},

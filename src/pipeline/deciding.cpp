@@ -11,7 +11,11 @@
 
 #include "grow/fields/small_components.h"
 #include "voxelize/canonical_solid.h"
+#include "voxelize/distance.h"
 #include "voxelize/leaves/leaf_blocks.h"
+#include "voxelize/level_set_mesh.h"
+#include "voxelize/region.h"
+#include "voxelize/voxelize.h"
 
 namespace sherd {
 namespace {
@@ -63,18 +67,64 @@ std::optional<std::vector<std::uint32_t>> matched(const Solid& solid,
   return component;
 }
 
-std::optional<OtherSolid> otherOf(const Solid& solid, const VoxelComponents& components,
-                                  Device& device, const Progress* progress) {
-  const std::shared_ptr<const Solid> canonical = canonicalOf(solid, progress);
-  if (!canonical) return {};
-  PreparedSolid ready = prepared(*canonical, device);
+std::optional<OtherSolid> otherSolid(const Solid& solid, const VoxelComponents& components,
+                                     Solid canonical, Device& device) {
+  PreparedSolid ready = prepared(std::move(canonical), device);
   auto component = matched(solid, components, ready.solid, ready.components);
   if (!component) return {};
   return OtherSolid{std::move(ready.solid), std::move(ready.components), std::move(ready.walls),
                     std::move(*component)};
 }
 
+// Returns the solid of a mesh in a grid with the low corner of another's.
+Solid solidIn(const TriangleMesh& mesh, const GridFrame& like, double voxelSize,
+              const Progress* progress) {
+  Solid out;
+  out.frame = {like.origin + 0.5 * (voxelSize - like.voxelSize), voxelSize};
+  out.distance = levelSetIn(mesh, out.frame, progress);
+  out.blocks = std::make_shared<const LeafBlocks>(leafBlocks(*out.distance));
+  out.report.fill = Fill::winding;
+  measureVoxels(out);
+  return out;
+}
+
+// The same for a solid without a mesh, from its level set.
+std::optional<OtherSolid> otherOfLevelSet(const Solid& solid, const VoxelComponents& components,
+                                          Device& device, const Progress* progress) {
+  const double longest = solid.box.longestSide();
+  if (solid.region || !solid.distance || longest <= 1.25 * CanonicalSolid::kResolution) return {};
+  return decidingSolid(solid, components, meshInWorld(*solid.distance),
+                       longest * solid.frame.voxelSize, device, progress);
+}
+
+std::optional<OtherSolid> otherOf(const Solid& solid, const VoxelComponents& components,
+                                  Device& device, const Progress* progress) {
+  if (const std::shared_ptr<const Solid> canonical = canonicalOf(solid, progress)) {
+    return otherSolid(solid, components, *canonical, device);
+  }
+  return otherOfLevelSet(solid, components, device, progress);
+}
+
 }  // namespace
+
+std::optional<OtherSolid> decidingSolid(const Solid& solid, const VoxelComponents& components,
+                                        const TriangleMesh& mesh, double side, Device& device,
+                                        const Progress* progress) {
+  // Of the volume: walls that voxels do not resolve lose more.
+  constexpr double kVolumesAgree = 0.03;
+  const double expected = volume(mesh);
+  for (const int resolution : {CanonicalSolid::kResolution, CanonicalSolid::kMostResolution}) {
+    const double voxelSize = side / resolution;
+    Solid own = solidIn(mesh, solid.frame, voxelSize, progress);
+    const double found = static_cast<double>(own.voxels) * voxelSize * voxelSize * voxelSize;
+    if (std::abs(found - expected) > kVolumesAgree * expected) continue;
+    if (auto other = otherSolid(solid, components, std::move(own), device)) {
+      other->side = side;
+      return other;
+    }
+  }
+  return {};
+}
 
 const OtherSolid* DecidingSolids::of(const Solid& solid, const VoxelComponents& components,
                                      Device& device, const Progress* progress) {

@@ -20,6 +20,7 @@ struct OtherSolid {
   VoxelComponents components;              ///< of the solid
   std::shared_ptr<SolidWalls> walls;       ///< of the solid
   std::vector<std::uint32_t> component{};  ///< [components of the other] those of this one
+  double side = 0.0;                       ///< of what decidingSolid made, world units
 
   /// Returns whether the voxels resolve so many pieces.
   [[nodiscard]] bool resolves(std::size_t pieces) const {
@@ -28,12 +29,24 @@ struct OtherSolid {
   }
 };
 
+/// Returns a solid of a mesh on which cracks through another solid of it are decided, or null where
+/// its voxels would not resolve the mesh, or not its components.
+///   solid  of that mesh, in whose place it decides; its low corner is that of the other's voxels
+///   mesh   closed, world units; without attributes
+///   side   world units: the solid has CanonicalSolid::kResolution voxels along it, or twice as
+///   many throws  Error(device); Error(cancelled)
+[[nodiscard]] std::optional<OtherSolid> decidingSolid(const Solid& solid,
+                                                      const VoxelComponents& components,
+                                                      const TriangleMesh& mesh, double side,
+                                                      Device& device, const Progress* progress);
+
 /// The solid on which splits through a prepared one are decided, found when it is first asked for.
 /// Callable from any thread.
 class DecidingSolids {
  public:
   /// Returns the solid, or null where splits are decided on the prepared one itself: it is at the
-  /// canonical resolution, has no mesh, or the other has other components.
+  /// canonical resolution, has neither a mesh nor a level set of more voxels, or the other has
+  /// other components.
   ///   throws  Error(device); Error(cancelled)
   [[nodiscard]] const OtherSolid* of(const Solid& solid, const VoxelComponents& components,
                                      Device& device, const Progress* progress);

@@ -217,19 +217,61 @@ void raiseSmall(Labels& labels, std::vector<Seed>& seeds, const FractureOptions&
   labels = extendLabels(std::move(labels), device, options.grow.outerSteps);
 }
 
+// The solids and guides by which splits are decided elsewhere, if they are.
+class Elsewhere {
+ public:
+  ///   other  kept by reference, or null
+  Elsewhere(const OtherSolid* other, std::span<const Guide> guides, const Progress* progress) {
+    if (other == nullptr) return;
+    sides_ = sidesOf(guides, other->solid, progress);
+    deciding_.emplace(
+        DecidingSolid{other->solid, *other->walls, other->components, sides_, other->component});
+  }
+  Elsewhere(const Elsewhere&) = delete;
+  Elsewhere& operator=(const Elsewhere&) = delete;
+
+  [[nodiscard]] const DecidingSolid* orNull() const { return deciding_ ? &*deciding_ : nullptr; }
+
+ private:
+  GuideSides sides_;
+  std::optional<DecidingSolid> deciding_;
+};
+
+// Returns a fracture by splits, decided on the other solid where that resolves its pieces.
+SequentialFracture sequentialOn(const FractureOptions& options, const Solid& solid,
+                                const VoxelComponents& components, std::uint64_t seed,
+                                const OtherSolid* other) {
+  const bool isElsewhere =
+      other != nullptr && other->resolves(countFragments(other->components, options.pieces));
+  SequentialFracture fracture = isElsewhere
+                                    ? sequentialOf(options, other->solid, other->components, seed)
+                                    : sequentialOf(options, solid, components, seed);
+  fracture.isDecidedElsewhere = isElsewhere;
+  return fracture;
+}
+
+SeededLabels splitFor(const FractureOptions& options, const Solid& solid,
+                      const VoxelComponents& components, std::uint64_t seed, SolidWalls& walls,
+                      Device& device, const GrowOptions& grow, const OtherSolid* other,
+                      const Progress* progress) {
+  const SequentialFracture fracture = sequentialOn(options, solid, components, seed, other);
+  const Elsewhere elsewhere(other, options.guides, progress);
+  return std::move(growSequential(solid, walls, components, std::span(&fracture, 1), device, grow,
+                                  sharesOf(options), sidesOf(options.guides, solid, progress),
+                                  elsewhere.orNull(), progress)
+                       .front());
+}
+
 SeededLabels grownFor(const FractureOptions& options, const Solid& solid,
                       const VoxelComponents& components, std::vector<Seed> seeds,
                       std::uint64_t seed, SolidWalls& walls, Device& device,
-                      const Progress* progress) {
+                      const Progress* progress, const OtherSolid* other) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
-  grow.longestSideVoxels = longestSideVoxels(solid);
+  grow.longestSideVoxels =
+      other != nullptr ? other->side / solid.frame.voxelSize : longestSideVoxels(solid);
   if (ruleOf(grow.growth).splits) {
-    const SequentialFracture fracture = sequentialOf(options, solid, components, seed);
-    return std::move(growSequential(solid, walls, components, std::span(&fracture, 1), device, grow,
-                                    sharesOf(options), sidesOf(options.guides, solid, progress),
-                                    nullptr, progress)
-                         .front());
+    return splitFor(options, solid, components, seed, walls, device, grow, other, progress);
   }
   const auto fragments = static_cast<std::size_t>(fragmentsOf(seeds));
   grow.walls = {middlesFor(options, solid, fragments, walls, progress)};
@@ -242,9 +284,10 @@ SeededLabels grownFor(const FractureOptions& options, const Solid& solid,
 
 SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                      const VoxelComponents& components, std::vector<Seed> seeds, std::uint64_t seed,
-                     SolidWalls& walls, Device& device, const Progress* progress) {
+                     SolidWalls& walls, Device& device, const Progress* progress,
+                     const OtherSolid* other) {
   SeededLabels grown =
-      grownFor(options, solid, components, std::move(seeds), seed, walls, device, progress);
+      grownFor(options, solid, components, std::move(seeds), seed, walls, device, progress, other);
   raiseSmall(grown.labels, grown.seeds, options, device);
   return grown;
 }
@@ -332,26 +375,16 @@ std::vector<Labels> splitTogether(const PreparedSolid& ready, std::vector<GrownF
   const OtherSolid* const other = solids->of(ready.solid, ready.components, device, progress);
   std::vector<SequentialFracture> fractures;
   for (const FractureOptions& own : options) {
-    const bool isElsewhere =
-        other && other->resolves(countFragments(other->components, own.pieces));
-    fractures.push_back(isElsewhere ? sequentialOf(own, other->solid, other->components, own.seed)
-                                    : sequentialOf(own, ready.solid, ready.components, own.seed));
-    fractures.back().isDecidedElsewhere = isElsewhere;
+    fractures.push_back(sequentialOn(own, ready.solid, ready.components, own.seed, other));
     all[fractures.size() - 1].result.seedsOn = fractures.back().on;
   }
   const std::vector<Guide>& guides = options.front().guides;
   const GuideSides sides = sidesOf(guides, ready.solid, progress);
-  GuideSides otherSides;
-  if (other) otherSides = sidesOf(guides, other->solid, progress);
-  std::optional<DecidingSolid> deciding;
-  if (other) {
-    deciding.emplace(DecidingSolid{other->solid, *other->walls, other->components, otherSides,
-                                   other->component});
-  }
+  const Elsewhere elsewhere(other, guides, progress);
   std::vector<Labels> labels;
-  for (SeededLabels& grown : growSequential(ready.solid, walls, ready.components, fractures, device,
-                                            together, sharesOf(options.front()), sides,
-                                            deciding ? &*deciding : nullptr, progress)) {
+  for (SeededLabels& grown :
+       growSequential(ready.solid, walls, ready.components, fractures, device, together,
+                      sharesOf(options.front()), sides, elsewhere.orNull(), progress)) {
     FractureResult& result = all[labels.size()].result;
     result.guideWarnings =
         guideWarnings(guides, grown.guide, grown.guided, grown.labels.splits.size());

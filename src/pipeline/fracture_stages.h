@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "grow/sized/shares.h"
+#include "pipeline/deciding.h"
 #include "surface/exact/exact_surface.h"
 
 namespace sherd {
@@ -50,10 +51,11 @@ void checkOptions(const FractureOptions& options);
 /// Grow by options.grow and options.shares; `seed` determines every random choice.
 ///   seeds  none where growth splits the solid
 ///   walls  of the solid, or of one with the same leaves that it is a part of
+///   other  where splits are decided; null: on the solid
 [[nodiscard]] SeededLabels growFor(const FractureOptions& options, const Solid& solid,
                                    const VoxelComponents& components, std::vector<Seed> seeds,
                                    std::uint64_t seed, SolidWalls& walls, Device& device,
-                                   const Progress* progress);
+                                   const Progress* progress, const OtherSolid* other = nullptr);
 
 /// A fracture after all work on the device.
 struct GrownFracture {

@@ -3,18 +3,29 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "base/random.h"
 #include "grow/fields/small_components.h"
+#include "pipeline/deciding.h"
 #include "pipeline/fracture_stages.h"
 #include "pipeline/guide_surfaces.h"
 #include "pipeline/refracture_islands.h"
 #include "pipeline/refracture_meshes.h"
+#include "seed/draw/candidates.h"
+#include "seed/draw/voxel_index.h"
+#include "seed/draw/wall.h"
+#include "seed/fragment_ids.h"
+#include "surface/label_mesh.h"
+#include "voxelize/canonical_solid.h"
 #include "voxelize/distance.h"
+#include "voxelize/leaves/leaf_blocks.h"
+#include "voxelize/voxelize.h"
 #include "voxelize/wall_middles.h"
 
 namespace sherd {
@@ -32,24 +43,106 @@ Solid solidOf(const FinishedFracture& finished, int id, bool hasBand) {
   return fragment;
 }
 
+// Returns the closed mesh of a fragment: its own, or without one the faces of its voxels.
+TriangleMesh closedMeshOf(const FinishedFracture& finished, const Solid& fragment, int id) {
+  TriangleMesh own = meshOf(finished, id).mesh;
+  if (!own.triangles.empty() && openEdges(own) == 0) return own;
+  if (fragment.box.longestSide() <= 1.25 * CanonicalSolid::kResolution) return {};
+  std::vector<std::uint32_t> leaves(finished.solid.blocks->count());
+  std::iota(leaves.begin(), leaves.end(), 0u);
+  return meshOfFaces(facesOf(finished.solid, finished.labels, finished.labels,
+                             static_cast<std::uint16_t>(id), leaves),
+                     finished.solid.frame);
+}
+
+// Returns the solid on which cracks through a fragment are decided, whatever its voxels.  Sides of
+// its grid are parts of the whole's, in steps that the rounding of a mesh seldom changes.
+//   mesh  of the fragment, closed, or empty
+std::optional<OtherSolid> otherOf(const FinishedFracture& finished, const Solid& fragment,
+                                  const TriangleMesh& mesh, const VoxelComponents& components,
+                                  Device& device, const Progress* progress) {
+  if (mesh.triangles.empty() || !(volume(mesh) > 0.0)) return {};
+  constexpr double kStepsPerOctave = 4.0;
+  const double whole = finished.resolution * finished.solid.frame.voxelSize;
+  const double steps = std::floor(kStepsPerOctave * std::log2(whole / longestSide(bounds(mesh))));
+  const double side = whole * std::exp2(-steps / kStepsPerOctave);
+  return decidingSolid(fragment, components, mesh, side, device, progress);
+}
+
+// Returns seeds of one solid on the voxels of another that is in the same place; none where one of
+// them has no voxel there.
+std::vector<Seed> seedsOn(const Solid& solid, std::span<const Seed> seeds,
+                          const VoxelScale& scale) {
+  const VoxelIndex voxels(*solid.blocks, solid.blocks->inside);
+  const double reach = 2.0 + 2.0 * scale.ratio;
+  std::set<VoxelKey> taken;
+  std::vector<Seed> out;
+  for (Seed seed : seeds) {
+    const glm::dvec3 at = scale.position(pointOf(seed));
+    const auto found =
+        voxels.nearestWithin(at, reach, [&](VoxelKey key) { return !taken.contains(key); });
+    if (!found) return {};
+    taken.insert(*found);
+    seed.voxel = voxels.voxelAt(*found);
+    seed.shift = shiftOf(at, seed.voxel);
+    out.push_back(seed);
+  }
+  return out;
+}
+
+// Returns the seeds of a fragment's parts: those of its mesh, if it has one and is connected.
+//   mesh   of the fragment
+//   other  of the mesh, or null
+std::vector<Seed> seedsOf(const Solid& fragment, const VoxelComponents& components,
+                          SeedOptions options, const TriangleMesh& mesh, const OtherSolid* other,
+                          Device& device, const Progress* progress) {
+  const auto resolve = [&](const Solid& solid) {
+    options.on = resolved(options.on, solid, countFragments(components, options.pieces));
+  };
+  if (other != nullptr && components.count() == 1) {
+    // In a grid of its own, so that points are drawn in the mesh's box.
+    const PreparedSolid own = prepared(
+        voxelizeAlone(mesh, {.voxelSize = other->solid.frame.voxelSize, .keepSeams = false}, 1.0,
+                      progress),
+        device);
+    if (own.components.count() == 1) {
+      resolve(own.solid);
+      std::vector<Seed> seeds =
+          seedsOn(fragment, placeSeeds(own.solid, own.components, options, progress),
+                  VoxelScale::between(own.solid.frame, fragment.frame));
+      if (!seeds.empty()) return seeds;
+    }
+  }
+  resolve(fragment);
+  return placeSeeds(fragment, components, options, progress);
+}
+
 //   walls  of the whole solid
-SeededLabels breakFragment(const Solid& fragment, int id, const FractureOptions& options,
-                           SolidWalls& walls, Device& device, const Progress* progress) {
+SeededLabels breakFragment(const FinishedFracture& finished, const Solid& fragment, int id,
+                           const FractureOptions& options, SolidWalls& walls, Device& device,
+                           const Progress* progress) {
   const std::uint64_t seed =
       randomBits(options.seed, Stage::refracture, static_cast<std::uint64_t>(id));
   const VoxelComponents components = findComponents(*fragment.blocks, device);
-  std::vector<Seed> seeds;
-  if (!ruleOf(options.grow.growth).splits) {
-    seeds = placeSeeds(fragment, components, seedOptionsFor(options, seed), progress);
-  }
+  const bool splits = ruleOf(options.grow.growth).splits;
+  const TriangleMesh mesh = closedMeshOf(finished, fragment, id);
+  const std::optional<OtherSolid> found =
+      otherOf(finished, fragment, mesh, components, device, progress);
+  const OtherSolid* const other = found ? &*found : nullptr;
   FractureOptions own = options;
   if (own.grow.roughnessWindow.isZero()) {  // a tenth of the fragment, not of the whole mesh
-    own.grow.roughnessWindow = fragment.box.longestSide() / 10.0;
+    const double side =
+        other != nullptr ? other->side / fragment.frame.voxelSize : fragment.box.longestSide();
+    own.grow.roughnessWindow = side / 10.0;
+  }
+  std::vector<Seed> seeds;
+  if (!splits) {
+    seeds = seedsOf(fragment, components, seedOptionsFor(own, seed), mesh, other, device, progress);
   }
   // Splits follow the fragment's own surface, old cracks included.
   SolidWalls ownWalls(fragment);
-  SolidWalls& followed = ruleOf(options.grow.growth).splits ? ownWalls : walls;
-  return growFor(own, fragment, components, std::move(seeds), seed, followed, device, progress);
+  return growFor(own, fragment, components, std::move(seeds), seed, splits ? ownWalls : walls,
+                 device, progress, other);
 }
 
 // The splits of all broken fragments: a guide does something if it divides one of them.
@@ -132,7 +225,7 @@ GrownFracture regrown(const FinishedFracture& read, std::span<const int> only,
   SolidWalls walls(finished.solid);
   for (const int id : broken) {
     Solid fragment = solidOf(finished, id, isExact);
-    SeededLabels grown = breakFragment(fragment, id, options, walls, device, progress);
+    SeededLabels grown = breakFragment(finished, fragment, id, options, walls, device, progress);
     guided.add(grown);
     std::vector<std::uint16_t> own = ids.of(id, fragmentsOf(grown.seeds));
     for (Seed seed : grown.seeds) {

@@ -28,28 +28,6 @@ namespace {
 // A face's neighbor is searched among the voxels around it, up to so many away.
 constexpr int kReach = 3;
 
-// Returns the faces of one fragment, and their indices in `finished.faces`.
-SolidMesh meshOf(const FinishedFracture& finished, int id) {
-  const auto begin = finished.firstFace[static_cast<std::size_t>(id) - 1];
-  const auto end = finished.firstFace[static_cast<std::size_t>(id)];
-  SolidMesh out;
-  if (begin == end) return out;
-  // A fragment's vertices are consecutive.
-  std::uint32_t low = std::numeric_limits<std::uint32_t>::max(), high = 0;
-  for (std::size_t t = begin; t < end; ++t) {
-    const glm::uvec3& corner = finished.faces.triangles[t];
-    low = std::min({low, corner.x, corner.y, corner.z});
-    high = std::max({high, corner.x, corner.y, corner.z});
-  }
-  const auto vertices = finished.faces.vertices.begin();
-  out.mesh.vertices.assign(vertices + low, vertices + high + 1);
-  for (std::size_t t = begin; t < end; ++t) {
-    out.mesh.triangles.push_back(finished.faces.triangles[t] - low);
-    out.source.push_back(static_cast<std::uint32_t>(t));
-  }
-  return out;
-}
-
 // Returns [faces] whether each corner is at a vertex of another fragment: the face is on a crack
 // that is closed.  The face itself need not be another fragment's: where that was broken again, it
 // has parts of the face, whose new corners are those of its own parts.
@@ -220,6 +198,28 @@ ExactSurface withoutFailed(ExactSurface all, const std::vector<Failed>& failed,
 }
 
 }  // namespace
+
+SolidMesh meshOf(const FinishedFracture& finished, int id) {
+  if (finished.firstFace.empty()) return {};
+  const auto begin = finished.firstFace[static_cast<std::size_t>(id) - 1];
+  const auto end = finished.firstFace[static_cast<std::size_t>(id)];
+  SolidMesh out;
+  if (begin == end) return out;
+  // A fragment's vertices are consecutive.
+  std::uint32_t low = std::numeric_limits<std::uint32_t>::max(), high = 0;
+  for (std::size_t t = begin; t < end; ++t) {
+    const glm::uvec3& corner = finished.faces.triangles[t];
+    low = std::min({low, corner.x, corner.y, corner.z});
+    high = std::max({high, corner.x, corner.y, corner.z});
+  }
+  const auto vertices = finished.faces.vertices.begin();
+  out.mesh.vertices.assign(vertices + low, vertices + high + 1);
+  for (std::size_t t = begin; t < end; ++t) {
+    out.mesh.triangles.push_back(finished.faces.triangles[t] - low);
+    out.source.push_back(static_cast<std::uint32_t>(t));
+  }
+  return out;
+}
 
 void setExteriorBand(LeafBlocks& blocks) {
   using Word = std::uint64_t;

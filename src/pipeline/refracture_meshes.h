@@ -20,6 +20,10 @@ struct BrokenFragment {
   ExactSurface surface{};            ///< of its parts, by cutAgain()
 };
 
+/// Returns the faces of one fragment, without neighbors, and their indices in `finished.faces` as
+/// SolidMesh::source; none where it has no mesh.
+[[nodiscard]] SolidMesh meshOf(const FinishedFracture& finished, int id);
+
 /// Sets the exterior band to the voxels of the blocks' leaves that are not inside, and at most
 /// kHalfWidthVoxels steps over faces and edges away from one that is.
 void setExteriorBand(LeafBlocks& blocks);

@@ -49,16 +49,23 @@ class CanonicalSolid {
 
 /// Positions in the voxels of one solid, in those of another of the same mesh.
 struct VoxelScale {
-  double ratio = 1.0;  ///< of the sizes of their voxels
+  double ratio = 1.0;      ///< of the sizes of their voxels
+  glm::dvec3 offset{0.0};  ///< of their low corners
 
   ///   from, to  of one mesh: their low corners are that of its box
   [[nodiscard]] static VoxelScale between(const Solid& from, const Solid& to) {
     return {from.frame.voxelSize / to.frame.voxelSize};
   }
 
+  /// The same of solids anywhere.
+  [[nodiscard]] static VoxelScale between(const GridFrame& from, const GridFrame& to) {
+    const auto low = [](const GridFrame& frame) { return frame.origin - 0.5 * frame.voxelSize; };
+    return {from.voxelSize / to.voxelSize, (low(from) - low(to)) / to.voxelSize};
+  }
+
   /// Returns a position in index space.  It does not depend on where the mesh is.
   [[nodiscard]] glm::dvec3 position(const glm::dvec3& p) const {
-    return ratio * p + 0.5 * (ratio - 1.0);
+    return ratio * p + 0.5 * (ratio - 1.0) + offset;
   }
 };
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -24,6 +26,7 @@
 #include "voxelize/fill/walls.h"
 #include "voxelize/fill/work_limit.h"
 #include "voxelize/region.h"
+#include "voxelize/shell_mesh.h"
 
 namespace sherd {
 namespace {
@@ -34,9 +37,14 @@ constexpr int kLargestResolution = 4096;
 struct MeshInGrid {
   GridFrame frame;
   TriangleMesh mesh;                  // before repair
-  SearchedMesh clean;                 // after repair
+  SearchedMesh clean;                 // after repair, with shells of sheets
   std::vector<std::uint32_t> source;  // [triangles of clean] index before repair
+  std::vector<SheetFace> sheets;      // of which shells are made
+  SheetsApart apart;                  // of a mesh with sheets
   SolidReport report;                 // defects, volume and walls
+
+  // The mesh by which a fill is chosen.
+  [[nodiscard]] const SearchedMesh& rest() const { return sheets.empty() ? clean : apart.rest; }
 };
 
 // Returns the vertices and triangles, without attributes.
@@ -46,7 +54,68 @@ TriangleMesh inIndexSpace(const TriangleMesh& mesh, const GridFrame& frame) {
   return out;
 }
 
-MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
+// Gives a group of flat faces, on the side that shows their others, the triangles of these.
+//   first  of the faces, in the order of the shells
+void useOthers(SolidMesh& shells, std::span<const SheetFace> faces, std::size_t first,
+               const TriangleMesh& mesh) {
+  std::map<std::uint32_t, std::uint32_t> at;  // vertices of that side by those of the mesh
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::size_t front = 2 * (first + i);
+    const glm::uvec3 c = shells.mesh.triangles[front];
+    const bool isTurned = faces[i].corners != mesh.triangles[faces[i].front];
+    const std::uint32_t away = isTurned ? 0 : shells.mesh.triangles[front + 1].x - c.x;
+    for (int k = 0; k < 3; ++k) {
+      if (at.try_emplace(faces[i].corners[k], c[k] + away).first->second != c[k] + away) return;
+    }
+    shown.push_back(isTurned ? front : front + 1);
+  }
+  for (const SheetFace& face : faces) {
+    for (int k = 0; k < 3; ++k) {
+      if (!at.contains(mesh.triangles[face.other][k])) return;
+    }
+  }
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[faces[i].other];
+    shells.mesh.triangles[shown[i]] = {at[t.x], at[t.y], at[t.z]};
+    shells.source[shown[i]] = faces[i].other;
+  }
+}
+
+// The same for all groups of which no face was left out.
+void useOthers(SolidMesh& shells, const std::vector<SheetFace>& faces, const TriangleMesh& mesh) {
+  for (std::size_t i = 0, end = 0; i < faces.size(); i = end) {
+    end = i + 1;
+    while (end < faces.size() && faces[end].group == faces[i].group) ++end;
+    const bool isWhole = faces[i].group != 0 && end - i == faces[i].groupSize;
+    if (isWhole) useOthers(shells, std::span(faces).subspan(i, end - i), i, mesh);
+  }
+}
+
+// Sets the mesh of what is left by repair, with shells of its sheets.
+void setClean(MeshInGrid& out, Repaired&& repaired, const SolidOptions& options) {
+  out.source = std::move(repaired.source);
+  out.sheets = std::move(repaired.sheets);
+  if (out.sheets.empty()) {
+    out.clean = searched(std::move(repaired.mesh));
+    return;
+  }
+  const double thickness = shellVoxels(options, out.frame.voxelSize);
+  out.report.sheetThickness = thickness * out.frame.voxelSize;
+  SolidMesh sheets{{repaired.mesh.vertices, {}}, {}};
+  for (const SheetFace& face : out.sheets) {
+    sheets.mesh.triangles.push_back(face.corners);
+    sheets.source.push_back(face.front);
+    sheets.back.push_back(face.back);
+  }
+  SolidMesh shells = shellMesh(sheets, thickness);
+  useOthers(shells, out.sheets, out.mesh);
+  out.source.insert(out.source.end(), shells.source.begin(), shells.source.end());
+  out.clean = searched(joined(repaired.mesh, std::move(shells.mesh)));
+  out.apart = {searched(std::move(repaired.mesh)), std::move(sheets.mesh)};
+}
+
+MeshInGrid inGrid(const TriangleMesh& source, double voxelSize, const SolidOptions& options,
                   const Progress* progress = nullptr) {
   MeshInGrid out;
   out.frame.voxelSize = voxelSize;
@@ -55,13 +124,47 @@ MeshInGrid inGrid(const TriangleMesh& source, double voxelSize,
   Repaired clean = repaired(out.mesh, progress);
   out.report.defects = clean.defects;
   throwIfCancelled(progress);
-  out.source = std::move(clean.source);
-  out.clean = searched(std::move(clean.mesh));
+  setClean(out, std::move(clean), options);
   throwIfCancelled(progress);
+  const SearchedMesh& rest = out.rest();
+  if (rest.mesh.triangles.empty()) return out;
   // As one mesh: the volume of an open part depends on the point that it is taken about.
-  const double volumeVoxels = volume(joined(out.clean.mesh, out.clean.caps));
-  out.report.meshVolume = volumeVoxels * (voxelSize * voxelSize * voxelSize);
-  out.report.walls = wallThickness(out.clean, longestSide(bounds(out.mesh)), volumeVoxels);
+  const double volumeVoxels = volume(joined(rest.mesh, rest.caps));
+  if (out.sheets.empty()) {
+    out.report.meshVolume = volumeVoxels * (voxelSize * voxelSize * voxelSize);
+  }
+  out.report.walls = wallThickness(rest, longestSide(bounds(out.mesh)), volumeVoxels);
+  return out;
+}
+
+// Returns the vertices of the mesh with shells of its sheets, world units.
+std::vector<glm::dvec3> worldVertices(const MeshInGrid& in, const TriangleMesh& source) {
+  std::vector<glm::dvec3> out = source.vertices;
+  const std::vector<glm::dvec3>& all = in.clean.mesh.vertices;
+  for (std::size_t v = out.size(); v < all.size(); ++v) {
+    out.push_back(in.frame.worldFromIndex(all[v]));
+  }
+  return out;
+}
+
+// The solid's mesh for exact surfaces, but for layers and bodies.
+//   source  world units
+SolidMesh exactMesh(MeshInGrid&& in, const TriangleMesh& source, bool isShell) {
+  SolidMesh out{{source.vertices, in.clean.mesh.triangles}, std::move(in.source)};
+  if (in.sheets.empty()) return out;
+  if (!isShell) {
+    out.mesh.vertices = worldVertices(in, source);
+    return out;
+  }
+  // Both sides of all of it are made of the middles.
+  out.mesh.triangles = std::move(in.apart.rest.mesh.triangles);
+  out.source.resize(out.mesh.triangles.size());
+  out.back = out.source;
+  for (const SheetFace& face : in.sheets) {
+    out.mesh.triangles.push_back(face.corners);
+    out.source.push_back(face.front);
+    out.back.push_back(face.back);
+  }
   return out;
 }
 
@@ -83,7 +186,7 @@ double checkedLongestSide(const TriangleMesh& mesh) {
 // Checks the thickness only where the fill may be a shell.
 void checkShellThickness(double longest, const SolidOptions& options) {
   const double thickness = options.shellThickness;
-  if (options.fill != Fill::automatic && options.fill != Fill::shell) return;
+  if (options.fill == Fill::parity || options.fill == Fill::flood) return;
   if (thickness >= 0.0 && thickness <= longest) return;
   std::ostringstream text;
   text << "a shell thickness of " << thickness << " is out of range; expected 0 (2.5 voxels) to "
@@ -106,7 +209,7 @@ BodyLayers fill(Solid& solid, const Filling& filling, const MeshInGrid& in,
   report.fillReason = filling.reason;
   if (filling.fill == Fill::shell) {
     report.shellThickness = 2.0 * filling.halfThickness * voxelSize;
-    report.meshVolume = 0.0;
+    report.meshVolume = report.sheetThickness = 0.0;
   }
   reportProgress(progress, "voxelize", 0.3);
   if (filling.surface->empty()) return {};
@@ -121,7 +224,7 @@ BodyLayers fill(Solid& solid, const Filling& filling, const MeshInGrid& in,
     if (options.bodies == MeetingBodies::keep) layers = keptLayers(blocks, in.clean, progress);
     if (layers.kept == 0) {
       const bool areJoined = layers.areJoined;
-      layers = bodyLayers(blocks, in.clean, source.vertices, progress);
+      layers = bodyLayers(blocks, in.clean, worldVertices(in, source), progress);
       layers.areJoined = layers.areJoined || areJoined;
     }
     blocks.layers = std::move(layers.voxels);
@@ -155,8 +258,8 @@ Filled filled(const MeshInGrid& in, const FillChoice& choice, const TriangleMesh
   Filled out;
   out.solid.frame = in.frame;
   out.solid.report = in.report;
-  const Filling filling =
-      fillingOf(choice, in.clean, in.mesh, options, in.frame.voxelSize, progress);
+  const Filling filling = fillingOf(choice, in.clean, in.mesh, options, in.frame.voxelSize,
+                                    progress, in.sheets.empty() ? nullptr : &in.apart);
   out.layers = fill(out.solid, filling, in, source, options, progress);
   return out;
 }
@@ -172,8 +275,8 @@ int automaticResolution(const TriangleMesh& mesh, const SolidOptions& options) {
   const double longest = checkedLongestSide(mesh);
   checkShellThickness(longest, options);
   if (options.fill == Fill::shell) return kLeastAutoResolution;
-  const MeshInGrid coarse = inGrid(mesh, longest / kLeastAutoResolution);
-  return chosenFill(coarse.clean, options).fill == Fill::shell
+  const MeshInGrid coarse = inGrid(mesh, longest / kLeastAutoResolution, options);
+  return chosenFill(coarse.rest(), options).fill == Fill::shell
              ? kLeastAutoResolution
              : automaticResolutionOf(coarse.report.walls);
 }
@@ -220,19 +323,29 @@ FloatGridPtr levelSetIn(const TriangleMesh& mesh, const GridFrame& frame,
 
 namespace {
 
+// Checks that a thickness has an effect.
+void requireSheets(const MeshInGrid& in, const FillChoice& choice, const SolidOptions& options) {
+  if (options.shellThickness == 0.0 || choice.fill != Fill::winding || !in.sheets.empty()) return;
+  throw Error(ErrorCode::usage,
+              "a shell thickness with the fill winding is that of sheets with both sides, and the "
+              "mesh has none; choose the fill shell, or omit the thickness",
+              OptionNames{"shell-thickness", "fill"});
+}
+
 // As voxelizeAlone, of a mesh whose bodies share no vertices if they are kept.
 Solid voxelizeApart(const TriangleMesh& source, const SolidOptions& options, double workShare,
                     const Progress* progress) {
   SolidOptions first = options;
   if (isAutomatic(options)) first.resolution = kLeastAutoResolution;
-  MeshInGrid in = inGrid(source, voxelSizeFor(source, first), progress);
+  MeshInGrid in = inGrid(source, voxelSizeFor(source, first), options, progress);
   reportProgress(progress, "voxelize", 0.1);
-  FillChoice choice = chosenFill(in.clean, options);
+  FillChoice choice = chosenFill(in.rest(), options);
   choice.workShare = workShare;
+  requireSheets(in, choice, options);
   if (isAutomatic(options) && choice.fill != Fill::shell) {
     const int resolution = automaticResolutionOf(in.report.walls);
     if (resolution != first.resolution) {
-      in = inGrid(source, checkedLongestSide(source) / resolution, progress);
+      in = inGrid(source, checkedLongestSide(source) / resolution, options, progress);
       reportProgress(progress, "voxelize", 0.2);
     }
   }
@@ -240,7 +353,7 @@ Solid voxelizeApart(const TriangleMesh& source, const SolidOptions& options, dou
   try {
     made = filled(in, choice, source, options, progress);
   } catch (const TooMuchWork&) {
-    if (isAutomatic(options)) in = inGrid(source, voxelSizeFor(source, first), progress);
+    if (isAutomatic(options)) in = inGrid(source, voxelSizeFor(source, first), options, progress);
     made = filled(in, shellInstead(in.report.defects), source, options, progress);
     made.solid.report.tookTooLong = true;
   }
@@ -257,11 +370,11 @@ Solid voxelizeApart(const TriangleMesh& source, const SolidOptions& options, dou
                        source, options, progress);
   }
   if (options.keepMesh) {
-    solid.mesh =
-        std::make_shared<const SolidMesh>(SolidMesh{{source.vertices, in.clean.mesh.triangles},
-                                                    std::move(in.source),
-                                                    std::move(made.layers.ofTriangle),
-                                                    std::move(made.layers.bodyOfTriangle)});
+    const bool isShell = report.fill == Fill::shell && !report.isThinnerThanVoxels;
+    SolidMesh mesh = exactMesh(std::move(in), source, isShell);
+    mesh.layer = std::move(made.layers.ofTriangle);
+    mesh.body = std::move(made.layers.bodyOfTriangle);
+    solid.mesh = std::make_shared<const SolidMesh>(std::move(mesh));
   }
   if (options.keepSeams) {
     Seams seams(source, solid.frame.origin, voxelSize);

@@ -358,6 +358,50 @@ class Look(CommandLine):
                 self.assertEqual({line.split()[1] for line in text if line.startswith("usemtl")}, names)
         self.assertIn("meshes/ball.mtl", self.pieces()["files"])
 
+    def test_each_side_of_a_card_keeps_its_material_and_texture(self):
+        # A card of 2 x 1 from both sides, u from the left on its front and from the right behind, beside a box.
+        box = np.array([(x, y, z) for x in (3, 4) for y in (0, 1) for z in (0, 1)])
+        lines = ["mtllib card.mtl", *(f"v {x} {y} {z}" for x, y, z in ((0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0), *box))]
+        lines += ["vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1", "usemtl front", "f 1/1 2/2 3/3 4/4", "usemtl behind", "f 4/3 3/4 2/1 1/2", "usemtl box"]
+        faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+        lines += ["f " + " ".join(f"{5 + c}/{k + 1}" for k, c in enumerate(face)) for face in faces]
+        self.path("card.obj", "\n".join(lines).encode())
+        self.path("card.mtl", b"newmtl front\nKd 1 0 0\nnewmtl behind\nKd 0 0 1\nnewmtl box\nKd 0 1 0\n")
+        result = self.run_sherd("fracture", self.path("card.obj"), "-o", self.out, "--pieces", "4", "--resolution", "64", "--write", "mesh",
+                                "--mesh-format", "obj", "--surface", "exact")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        seen = {"front": 0.0, "behind": 0.0}
+        for name in os.listdir(self.at("meshes")):
+            if name.endswith(".obj"):
+                self.add_card(self.at("meshes/" + name), seen)
+        for side, area in seen.items():
+            self.assertAlmostEqual(area, 2.0, places=5, msg=side)
+
+    def add_card(self, path, seen):
+        """Adds the areas of a fragment's faces that lie on the sides of the card, whose texture coordinates it checks."""
+        v, vt, material = [], [], None
+        with open(path) as file:
+            lines = file.readlines()
+        for line in lines:
+            kind, *words = line.split() or ["#"]
+            if kind == "v":
+                v.append([float(x) for x in words[:3]])
+            elif kind == "vt":
+                vt.append([float(x) for x in words])
+            elif kind == "usemtl":
+                material = words[0]
+            elif kind == "f" and material in seen:
+                corners = [[int(n) - 1 for n in word.split("/")[:2]] for word in words]
+                at = np.array([v[c[0]] for c in corners])
+                for k in range(1, len(at) - 1):
+                    normal = np.cross(at[k] - at[0], at[k + 1] - at[0]) / 2
+                    if abs(normal[2]) < 1e-9:
+                        continue  # between the sides
+                    self.assertEqual(normal[2] > 0, material == "front")
+                    seen[material] += abs(normal[2])
+                    u = at[:, 0] / 2 if material == "front" else 1 - at[:, 0] / 2
+                    np.testing.assert_allclose([vt[c[1]] for c in corners], np.column_stack([u, at[:, 1]]), atol=1e-5)
+
     def test_what_is_missing_is_told(self):
         result = self.done("--write", "mesh", mesh=self.drum(library=None))
         self.assertEqual(result.stderr, "sherd: warning: drum.obj: its material library 'drum.mtl' is not there, "

@@ -85,7 +85,7 @@ class Outputs(CommandLine):
 
 class Together(CommandLine):
     CONFLICTS = ((("--shell-thickness", "0.1", "--fill", "parity"), "--shell-thickness"),
-                 (("--shell-thickness", "0.1", "--fill", "winding"), "--shell-thickness"),
+                 (("--shell-thickness", "0.1", "--fill", "flood"), "--shell-thickness"),
                  (("--bodies", "keep", "--fill", "parity"), "--bodies"), (("--bodies", "keep", "--shell-thickness", "0.1"), "--bodies"),
                  (("--grid", "surface"), "--grid"), (("--isovalue", "0.2"), "--isovalue"),
                  (("--points", "5", "--point-sampler", "poisson", "--point-rule", "per-triangle"), "--point-rule"),

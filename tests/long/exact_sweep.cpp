@@ -28,8 +28,8 @@
 #include "mesh/repair/repair.h"
 #include "remesh/bodies.h"
 #include "remesh/parts/part_edges.h"
-#include "remesh/parts/shell_mesh.h"
 #include "shapes.h"
+#include "voxelize/shell_mesh.h"
 
 namespace {
 

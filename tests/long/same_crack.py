@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """The same crack at two resolutions: fractures of meshes with random seeds, at 96 and at 256 voxels.
 
-usage: same_crack.py SHERD [--meshes FOLDER] [--repeats N] [--resolutions A,B] [--only NAME,...] [CASE ...]
+usage: same_crack.py SHERD [--meshes FOLDER] [--repeats N] [--resolutions A,B] [--only NAME,...] [--again] [CASE ...]
+
+With --again meshes are broken into 8 pieces by seeds, and the third again by each case: its parts are compared.
 
 Meshes are those of FOLDER that are closed and resolved by 96 voxels (MESHES below), the repository's own and generated ones: 20 in all.
 A fragment agrees where its centroid moves by at most a hundredth of the longest side; a pair, where as many fragments come out and all agree.
@@ -83,7 +85,26 @@ def broken(sherd, mesh, seed, resolution, folder, options):
     return json.loads((folder / "manifest.json").read_text()), json.loads(run.stdout)
 
 
+def broken_again(sherd, mesh, seed, resolution, folder, options):
+    """The same of a fracture whose third fragment is broken again: the manifest has its parts alone."""
+    whole, printed = broken(sherd, mesh, seed, resolution, folder / "whole", ["--pieces", "8", "--write", "labels,mesh"])
+    if whole is None:
+        return None, printed
+    run = subprocess.run([sherd, "fracture", folder / "whole", "--only", "3", "-o", folder / "parts", "--seed", str(seed + 1), "--write", "labels",
+                          "--json", *options], capture_output=True, text=True)
+    if run.returncode:
+        return None, run.stderr
+    manifest = json.loads((folder / "parts" / "manifest.json").read_text())
+    kept = {f["id"] for f in whole["fragments"]} - {3}
+    manifest["side"] = longest_side(manifest)
+    manifest["fragments"] = [f for f in manifest["fragments"] if f["id"] not in kept]
+    return manifest, printed
+
+
 def longest_side(manifest):
+    if "side" in manifest:
+        return manifest["side"]
+
     low = [min(f["bbox"]["min"][a] for f in manifest["fragments"]) for a in range(3)]
     high = [max(f["bbox"]["max"][a] for f in manifest["fragments"]) for a in range(3)]
     return max(h - l for l, h in zip(low, high))
@@ -145,6 +166,7 @@ def main():
     parser.add_argument("--repeats", type=int, default=1)
     parser.add_argument("--resolutions", default="96,256")
     parser.add_argument("--only", default="", help="names of meshes")
+    parser.add_argument("--again", action="store_true", help="break a fragment again")
     parser.add_argument("cases", nargs="*")
     args = parser.parse_intermixed_args()
     resolutions = [int(r) for r in args.resolutions.split(",")]
@@ -166,7 +188,7 @@ def main():
                     ends = []
                     for resolution in resolutions:
                         with tempfile.TemporaryDirectory() as out:
-                            ends.append(broken(args.sherd, mesh, seed, resolution, pathlib.Path(out) / "out", options))
+                            ends.append((broken_again if args.again else broken)(args.sherd, mesh, seed, resolution, pathlib.Path(out) / "out", options))
                     compared(name, mesh, seed, ends, tallies[name])
     print("\n| options | fragments that agree | pairs | equal counts | median of the largest move |\n|---|---|---|---|---|")
     for name, tally in tallies.items():

@@ -1,8 +1,10 @@
 // Cracks are functions of space: solids of one mesh at several resolutions break alike.
 #include <gtest/gtest.h>
+#include <sherd/folder.h>
 #include <sherd/fracture.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -211,6 +213,75 @@ TEST(CanonicalSolids, ResolveThinWalls) {
   ASSERT_TRUE(thin && thinnest);
   EXPECT_LE(kWholeWallVoxels * thin->frame.voxelSize, 0.017);
   EXPECT_EQ(thinnest->frame.voxelSize, 2.0 / CanonicalSolid::kMostResolution);
+}
+
+// Returns the centers of the voxels of fragments, in lengths of the mesh's longest side.
+std::vector<glm::dvec3> centersOf(const FractureResult& result, double side) {
+  std::vector<glm::dvec3> sums(static_cast<std::size_t>(result.labels.fragmentCount));
+  std::vector<double> counts(sums.size(), 0.0);
+  result.labels.blocks->forEachInside([&](std::size_t voxel) {
+    const std::size_t at = result.labels.fragment[voxel] - std::size_t{1};
+    const openvdb::Coord c = result.labels.blocks->voxelAt(voxel);
+    sums[at] += result.solid.frame.worldFromIndex(glm::dvec3(c.x(), c.y(), c.z()));
+    counts[at] += 1.0;
+  });
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] /= counts[i] * side;
+  return sums;
+}
+
+// Expects them within a hundredth, and half a voxel of the coarser solid.
+void expectSameCenters(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b,
+                       int resolution, const std::string& name) {
+  ASSERT_EQ(a.size(), b.size()) << name;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_LT(glm::distance(a[i], b[i]), 0.01 + 0.5 / resolution) << name << " " << i;
+  }
+}
+
+// Returns a fracture whose second fragment is broken again.
+//   hasMeshes  whether the fragments' meshes are known
+FractureResult brokenAgain(const TriangleMesh& mesh, int resolution, FractureOptions options,
+                           bool hasMeshes, Device& device) {
+  FractureOptions first{.pieces = 4, .seed = 3, .solid = {.resolution = resolution}};
+  first.surface.surface = Surface::exact;
+  SourceMesh source;
+  source.mesh = mesh;
+  FinishedFracture finished =
+      finishedFracture(source, first, fracture(mesh, first, device), WriteOptions{});
+  if (!hasMeshes) finished.faces = {}, finished.firstFace = {}, finished.isExact = false;
+  options.surface.meshes = false;
+  options.surface.levelSets = false;
+  const std::array<int, 1> only{2};
+  return refracture(finished, only, options, device);
+}
+
+TEST_F(CracksInSpace, FragmentsBreakAgainAlikeAtAnyResolution) {
+  const TriangleMesh bar = shapes::box({4.0, 0.4, 0.4});
+  for (const Growth growth : {Growth::euclid, Growth::sequential}) {
+    FractureOptions options{.pieces = 4, .seed = 7};
+    options.grow.growth = growth;
+    const TriangleMesh mesh =
+        growth == Growth::euclid ? shapes::ball(1.0, 2) : shapes::cup(1.0, 0.25, 1.6, 0.25, 24);
+    expectSameCenters(centersOf(brokenAgain(mesh, 41, options, true, device()), 2.0),
+                      centersOf(brokenAgain(mesh, 86, options, true, device()), 2.0), 41, "meshes");
+    expectSameCenters(centersOf(brokenAgain(bar, 301, options, false, device()), 4.0),
+                      centersOf(brokenAgain(bar, 390, options, false, device()), 4.0), 301,
+                      "voxels alone");
+  }
+}
+
+// As level sets are that are read.
+TEST_F(CracksInSpace, SolidsWithoutMeshesSplitAlikeWhereTheyAreFiner) {
+  const TriangleMesh bar = shapes::box({2.0, 0.5, 0.3});
+  std::vector<std::vector<glm::dvec3>> centers;
+  for (const int resolution : {131, 187}) {
+    Solid solid = voxelize(bar, {.resolution = resolution});
+    solid.region = nullptr;
+    FractureOptions options = splitOptions(6);
+    options.surface.meshes = options.surface.levelSets = false;
+    centers.push_back(centersOf(fracture(std::move(solid), options, device()), 2.0));
+  }
+  expectSameCenters(centers[0], centers[1], 131, "bar");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Sheets with a thickness, as closed meshes.
-#include "remesh/parts/shell_mesh.h"
+#include "voxelize/shell_mesh.h"
 
 #include <gtest/gtest.h>
 #include <sherd/device.h>

@@ -31,6 +31,7 @@ struct Once {
   std::vector<bool> isKept;
   std::vector<std::uint32_t> copies;
   std::vector<std::uint32_t> canceled;  // the first of those of which none is kept
+  std::vector<std::uint32_t> behind;    // [canceled] the first of the other orientation
 };
 
 Once once(std::span<const glm::uvec3> triangles) {
@@ -48,7 +49,7 @@ Once once(std::span<const glm::uvec3> triangles) {
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
     return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
   });
-  Once out{std::vector<bool>(triangles.size(), false), {}, {}};
+  Once out{std::vector<bool>(triangles.size(), false), {}, {}, {}};
   for (std::size_t i = 0; i < entries.size();) {
     std::size_t end = i;
     int net = 0;
@@ -56,7 +57,12 @@ Once once(std::span<const glm::uvec3> triangles) {
       net += entries[end].even ? 1 : -1;
     }
     int left = std::abs(net);
-    if (left == 0) out.canceled.push_back(entries[i].index);
+    if (left == 0) {
+      out.canceled.push_back(entries[i].index);
+      std::size_t other = i;
+      while (entries[other].even == entries[i].even) ++other;
+      out.behind.push_back(entries[other].index);
+    }
     for (std::size_t k = i; k < end && left > 0; ++k) {
       if (entries[k].even != (net > 0)) continue;
       if (left-- == std::abs(net)) {
@@ -117,9 +123,9 @@ void keepNeeded(std::span<const glm::uvec3> triangles, Once& all) {
   }
 }
 
-// Keeps one side of the closed surfaces among triangles that cancel each other.  Returns the number
-// of those on both sides of sheets: the others are walls between bodies, and end at these.
-std::size_t keepSurfaces(std::span<const glm::uvec3> triangles, Once& all) {
+// Keeps one side of the closed surfaces among triangles that cancel each other.  Returns the
+// others: sheets, and walls between bodies, which end at these.
+std::vector<SheetFace> keepSurfaces(std::span<const glm::uvec3> triangles, Once& all) {
   struct Edge {
     std::uint32_t first = 0;  // of the canceled ones
     int count = 0;
@@ -149,15 +155,19 @@ std::size_t keepSurfaces(std::span<const glm::uvec3> triangles, Once& all) {
     if (edge.count == 1 && !edge.isOfOthers) isOpen[group] = 1;
     if (edge.count > 2) isOpen[group] = 1;
   }
-  std::size_t ofSheets = 0;
+  std::vector<SheetFace> sheets;
   for (std::size_t i = 0; i < groupOf.size(); ++i) {
-    if (isOpen[groupOf[i]] != 0) {
-      ofSheets += 2;
-    } else if (isWall[groupOf[i]] == 0) {
-      all.isKept[all.canceled[i]] = true;
+    const std::uint32_t front = all.canceled[i];
+    if (isOpen[groupOf[i]] == 0 && isWall[groupOf[i]] == 0) {
+      all.isKept[front] = true;
+      continue;
     }
+    sheets.push_back({.corners = triangles[front],
+                      .front = front,
+                      .back = all.behind[i],
+                      .isBetweenOthers = isOpen[groupOf[i]] == 0});
   }
-  return ofSheets;
+  return sheets;
 }
 
 }  // namespace
@@ -166,7 +176,7 @@ OnceTriangles withoutDuplicates(std::span<const glm::uvec3> triangles) {
   Once all = once(triangles);
   if (!all.copies.empty()) keepNeeded(triangles, all);
   OnceTriangles out;
-  if (!all.canceled.empty()) out.ofSheets = keepSurfaces(triangles, all);
+  if (!all.canceled.empty()) out.sheets = keepSurfaces(triangles, all);
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     if (all.isKept[i]) out.kept.push_back(i);
   }

@@ -1,17 +1,18 @@
 // Triangles that a mesh has several times.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
+#include "mesh/repair/sheets.h"
+
 namespace sherd {
 
 struct OnceTriangles {
   std::vector<std::uint32_t> kept;  ///< ascending
-  std::size_t ofSheets = 0;         ///< dropped as both sides of sheets that enclose nothing
+  std::vector<SheetFace> sheets;    ///< those of which neither side is kept
 };
 
 /// Returns the triangles to keep: one of those with the same corners, or none if as many have one

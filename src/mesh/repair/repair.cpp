@@ -14,6 +14,7 @@
 #include "base/cancel_flag.h"
 #include "mesh/edges.h"
 #include "mesh/repair/duplicates.h"
+#include "mesh/repair/sheets.h"
 #include "mesh/search/triangle_tree.h"
 
 namespace sherd {
@@ -186,10 +187,82 @@ std::size_t flipComponents(TriangleMesh& mesh, const MeshComponents& components,
   return flipped;
 }
 
+// Keeps some triangles, given by their number in the mesh.
+void keep(Repaired& out, const TriangleMesh& mesh, std::vector<std::uint32_t> kept) {
+  out.source = std::move(kept);
+  for (std::size_t i = 0; i < out.source.size(); ++i) {
+    out.mesh.triangles[i] = mesh.triangles[out.source[i]];
+  }
+  out.mesh.triangles.resize(out.source.size());
+}
+
+// Moves flat sheets that have other triangles on each side from a mesh to its sheets.
+//   among  triangles of the mesh as it is
+void moveFlatSheets(Repaired& out, const TriangleMesh& mesh,
+                    const std::vector<std::uint32_t>& among) {
+  const FlatSheets flat = flatSheets(out.mesh, among);
+  if (flat.triangles.empty()) return;
+  for (SheetFace face : flat.faces) {
+    face.front = out.source[face.front];
+    face.back = out.source[face.back];
+    face.other = out.source[face.other];
+    out.sheets.push_back(face);
+  }
+  std::vector<std::uint32_t> kept;
+  auto next = flat.triangles.begin();
+  for (std::uint32_t t = 0; t < out.source.size(); ++t) {
+    if (next != flat.triangles.end() && *next == t) {
+      ++next;
+    } else {
+      kept.push_back(out.source[t]);
+    }
+  }
+  keep(out, mesh, std::move(kept));
+}
+
+// Drops duplicates.  Returns the components of what is left.
+//   hasRepeated  whether any triangle may be there twice
+MeshComponents dropDuplicates(Repaired& out, const TriangleMesh& mesh, bool hasRepeated) {
+  MeshComponents components;
+  std::vector<std::uint32_t> among;
+  if (hasRepeated) {
+    OnceTriangles once = withoutDuplicates(mesh.triangles);
+    out.sheets = std::move(once.sheets);
+    keep(out, mesh, std::move(once.kept));
+    among.resize(out.source.size());
+    std::iota(among.begin(), among.end(), 0u);
+  } else {
+    components = meshComponents(mesh);
+    among = ofSmallComponents(components);
+  }
+  moveFlatSheets(out, mesh, among);
+  out.defects.duplicateTriangles = mesh.triangles.size() - out.mesh.triangles.size();
+  return !hasRepeated && out.defects.duplicateTriangles == 0 ? components
+                                                             : meshComponents(out.mesh);
+}
+
+// Orients sheets like their neighbors, and leaves out those that are inside the rest, or few.
+void settleSheets(Repaired& out, const Progress* progress) {
+  if (out.sheets.empty()) return;
+  keepOutside(out.sheets, out.mesh, progress);
+  out.defects.sheetTriangles = 2 * out.sheets.size();
+  if (areFew(out.sheets, out.mesh)) out.sheets.clear();
+  TriangleMesh fronts{out.mesh.vertices, {}};
+  for (const SheetFace& face : out.sheets) fronts.triangles.push_back(face.corners);
+  const MeshComponents components = meshComponents(fronts);
+  orientConsistently(fronts, components, std::vector<bool>(components.count, true), progress);
+  for (std::size_t i = 0; i < out.sheets.size(); ++i) {
+    SheetFace& face = out.sheets[i];
+    if (face.corners == fronts.triangles[i]) continue;
+    face.corners = fronts.triangles[i];
+    std::swap(face.front, face.back);
+  }
+}
+
 }  // namespace
 
 Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
-  Repaired out{mesh, std::vector<std::uint32_t>(mesh.triangles.size()), {}};
+  Repaired out{mesh, std::vector<std::uint32_t>(mesh.triangles.size()), {}, {}};
   std::iota(out.source.begin(), out.source.end(), 0u);
   MeshDefects& defects = out.defects;
   const auto countEdges = [&] {
@@ -202,20 +275,11 @@ Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
   };
   for (const glm::uvec3& t : mesh.triangles) defects.zeroAreaTriangles += areaOf(mesh, t) == 0.0;
   std::size_t unbalanced = countEdges();
-  if (unbalanced > 0 || defects.nonManifoldEdges > 0) {
-    OnceTriangles once = withoutDuplicates(mesh.triangles);
-    out.source = std::move(once.kept);
-    defects.sheetTriangles = once.ofSheets;
-    for (std::size_t i = 0; i < out.source.size(); ++i) {
-      out.mesh.triangles[i] = mesh.triangles[out.source[i]];
-    }
-    out.mesh.triangles.resize(out.source.size());
-    defects.duplicateTriangles = mesh.triangles.size() - out.mesh.triangles.size();
-  }
+  const MeshComponents components =
+      dropDuplicates(out, mesh, unbalanced > 0 || defects.nonManifoldEdges > 0);
   const MeshDefects asRead = defects;
   if (defects.duplicateTriangles > 0) unbalanced = countEdges();
   throwIfCancelled(progress);
-  const MeshComponents components = meshComponents(out.mesh);
   if (unbalanced > 0) {
     std::vector<bool> unbalancedComponent(components.count, false);
     std::vector<std::uint32_t> componentOf(out.mesh.vertices.size(), 0);
@@ -234,6 +298,7 @@ Repaired repaired(const TriangleMesh& mesh, const Progress* progress) {
   defects.misorientedEdges = asRead.misorientedEdges;
   defects.components = components.count;
   defects.flippedComponents = flipComponents(out.mesh, components, progress);
+  settleSheets(out, progress);
   return out;
 }
 

@@ -17,9 +17,9 @@
 #include "mesh/edges.h"
 #include "mesh/triangle_area.h"
 #include "remesh/parts/fill_loops.h"
-#include "remesh/parts/shell_mesh.h"
 #include "voxelize/fill/caps.h"
 #include "voxelize/fill/winding.h"
+#include "voxelize/shell_mesh.h"
 
 namespace sherd {
 namespace {

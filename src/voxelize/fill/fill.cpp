@@ -119,9 +119,10 @@ double enclosure(const SearchedMesh& mesh) {
 FillChoice chosenFill(const SearchedMesh& mesh, const SolidOptions& options) {
   if (options.fill != Fill::automatic) return {options.fill, "as selected"};
   if (options.shellThickness > 0.0) return {Fill::shell, "a shell thickness is given"};
-  if (mesh.caps.triangles.empty() && !mesh.mesh.triangles.empty()) {
-    return {Fill::winding, "the mesh is closed"};
+  if (mesh.mesh.triangles.empty()) {
+    return {Fill::winding, "all of its triangles are on both sides of sheets"};
   }
+  if (mesh.caps.triangles.empty()) return {Fill::winding, "the mesh is closed"};
   // Each open edge is one of a cap, and each vertex of a cap the first of one.
   const std::size_t triangles = mesh.mesh.triangles.size(), open = mesh.caps.vertices.size();
   if (static_cast<double>(open) >= kLooseEdges * static_cast<double>(triangles)) {
@@ -148,8 +149,12 @@ double shellVoxels(const SolidOptions& options, double voxelSize) {
   return options.shellThickness > 0.0 ? options.shellThickness / voxelSize : kShellVoxels;
 }
 
-Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const TriangleMesh& original,
-                  const SolidOptions& options, double voxelSize, const Progress* progress) {
+namespace {
+
+// As fillingOf, without points near sheets.
+Filling wholeFilling(const FillChoice& choice, const SearchedMesh& mesh,
+                     const TriangleMesh& original, const SolidOptions& options, double voxelSize,
+                     const Progress* progress) {
   switch (choice.fill) {
     case Fill::shell:
       return shellOf(original, options, voxelSize, choice.reason);
@@ -177,6 +182,22 @@ Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const Tria
       break;
   }
   return windingOf(mesh, choice, options, progress);
+}
+
+}  // namespace
+
+Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh, const TriangleMesh& original,
+                  const SolidOptions& options, double voxelSize, const Progress* progress,
+                  const SheetsApart* apart) {
+  Filling out = wholeFilling(choice, mesh, original, options, voxelSize, progress);
+  if (apart == nullptr || out.fill == Fill::shell || options.shellThickness > 0.0) return out;
+  out.contains = [of = out.fill == Fill::winding ? wound(apart->rest)
+                                                 : alternating(apart->rest.tree),
+                  sheets = std::make_shared<const TriangleTree>(apart->sheets),
+                  reach = kSurfaceLayer * longestSide(bounds(mesh.mesh))](const glm::dvec3& p) {
+    return of(p) || sheets->nearest(p, reach).triangle != TriangleTree::kNone;
+  };
+  return out;
 }
 
 }  // namespace sherd

@@ -18,6 +18,12 @@ namespace sherd {
 /// surface, and of a shell whose thickness is in voxels, lie in it.
 inline constexpr double kSurfaceLayer = 1.0 / 256;
 
+/// A mesh without its sheets that have both sides, and the middles of these.
+struct SheetsApart {
+  SearchedMesh rest;    ///< oriented outwards; may be empty
+  TriangleMesh sheets;  ///< one triangle of each pair
+};
+
 /// A surface, and the classification of voxel centers as inside or outside.  All in index space.
 struct Filling {
   Fill fill = Fill::winding;                    ///< not automatic
@@ -50,12 +56,15 @@ struct FillChoice {
 [[nodiscard]] double shellVoxels(const SolidOptions& options, double voxelSize);
 
 /// Returns the filling of a choice.
-///   mesh      the result of repaired(), in index space
+///   mesh      the result of repaired(), in index space, with shells of its sheets
 ///   original  the mesh before repair, used for a shell, which keeps duplicate triangles
+///   apart     of a mesh with sheets, else null: points of a layer at these are inside, which does
+///             not depend on the thickness of their shells
 ///   throws    Error(cancelled); TooMuchWork, if the choice is limited
 [[nodiscard]] Filling fillingOf(const FillChoice& choice, const SearchedMesh& mesh,
                                 const TriangleMesh& original, const SolidOptions& options,
-                                double voxelSize, const Progress* progress = nullptr);
+                                double voxelSize, const Progress* progress = nullptr,
+                                const SheetsApart* apart = nullptr);
 
 /// Returns how completely a mesh encloses a volume: the mean over its area of the winding number
 /// just behind the surface, which counts as 1 where it is above, and as 0 below.  1 for closed

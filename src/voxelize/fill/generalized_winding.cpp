@@ -31,6 +31,15 @@ TriangleMesh onLattice(TriangleMesh caps, const Box& box) {
 }
 constexpr glm::dvec3 kTie(1e-10, 1e-11, 1e-9);
 
+// Returns how far centers are moved from which steps go to points.  The columns snap vertices along
+// x and y, and break ties as kTie does; steps know the vertices as they are.  A vertex within half
+// a lattice step of a center snaps onto it, so half a step leaves it on the side where it snaps to.
+// Faces are often at centers.
+glm::dvec3 tieOf(const Box& box) {
+  const double step = std::ldexp(1.0, -Winding::latticeBits(box));
+  return {0.5 * step, 0.499 * step, kTie.z};
+}
+
 // A bound of the change of the winding number over a voxel, farther than kNearBoundary from all
 // boundaries of holes.
 constexpr double kChange = 0.3;
@@ -81,7 +90,8 @@ TriangleMesh boundariesOf(const TriangleMesh& caps) {
 GeneralizedWinding::GeneralizedWinding(const TriangleMesh& mesh, const TriangleMesh& caps,
                                        std::shared_ptr<const TriangleTree> tree,
                                        const Progress* progress, std::uint64_t most)
-    : caps_(onLattice(caps, bounds(mesh))),
+    : tie_(tieOf(bounds(mesh))),
+      caps_(onLattice(caps, bounds(mesh))),
       capTree_(withArea(caps_)),
       boundaryTree_(boundariesOf(withArea(caps_))),
       columns_(caps_.triangles.empty()
@@ -212,13 +222,13 @@ double GeneralizedWinding::near(const glm::dvec3& point) const { return near(poi
 
 double GeneralizedWinding::near(const glm::dvec3& point, const glm::dvec3& from) const {
   const openvdb::Coord voxel = nearestVoxel(from);
-  return near(voxel) + tree_->entries(centerOf(voxel), point);
+  return near(voxel) + tree_->entries(centerOf(voxel) + tie_, point + tie_);
 }
 
 double GeneralizedWinding::near(const glm::dvec3& point,
                                 std::span<const std::uint32_t> around) const {
   const openvdb::Coord voxel = nearestVoxel(point);
-  return near(voxel) + tree_->entries(centerOf(voxel), point, around);
+  return near(voxel) + tree_->entries(centerOf(voxel) + tie_, point + tie_, around);
 }
 
 }  // namespace sherd

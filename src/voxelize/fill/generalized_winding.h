@@ -105,6 +105,7 @@ class GeneralizedWinding {
   struct CapsInCube;
   [[nodiscard]] openvdb::Coord oddDims() const;
 
+  glm::dvec3 tie_;
   TriangleMesh caps_;
   TriangleTree capTree_;
   TriangleTree boundaryTree_;  // of the caps' edges that bound the mesh

@@ -24,8 +24,10 @@ def sentences(name, manifest):
     dropped = get("degenerate_triangles") + get("zero_area_triangles") + get("duplicate_triangles") - get("sheet_triangles")
     if dropped:
         found.append(f"{counted(dropped, 'face')} of {name} without area or repeated were left out")
-    if get("sheet_triangles") and report.get("fill") != "shell":
-        found.append(f"{counted(get('sheet_triangles'), 'face')} of {name} on both sides of sheets, as of leaves, enclose nothing and were left out")
+    if get("sheet_thickness"):
+        found.append(f"{counted(get('sheet_triangles'), 'face')} of {name} on both sides of sheets, as of leaves, became shells {get('sheet_thickness'):.3g} thick")
+    elif get("sheet_triangles") and report.get("fill") != "shell":
+        found.append(f"{counted(get('sheet_triangles'), 'face')} of {name} on both sides of sheets are so few that they were left out")
     if get("bridges"):
         found.append(f"walls of {name} thinner than a voxel were thickened ({counted(get('bridges'), 'voxel')})")
     if get("near_bodies"):

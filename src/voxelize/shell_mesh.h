@@ -11,7 +11,7 @@ namespace sherd {
 /// thickness, at most by kMostMiter times that.  Edges of more than two triangles, or of two that
 /// have it in the same direction, are open edges of each.  So the result is closed, but may cross
 /// itself.
-///   sheets     without layers
+///   sheets     without layers; the source of a back is SolidMesh::back where that is known
 ///   thickness  world units, above 0
 [[nodiscard]] SolidMesh shellMesh(const SolidMesh& sheets, double thickness);
 
