@@ -4,9 +4,9 @@
 usage: check_layers.py [--svg FILE]
 
 Prints the graph: for each folder those it includes, with the number of #include lines.  A public header counts as the lowest folder
-that knows its types.  Ends with status 1 where an edge points up, the program includes what is neither public nor in base/, a folder
-or a header is not listed, there are too many headers, or the diagram in docs/images/rooms.svg does not match this graph; --svg
-writes it.
+that knows its types.  Ends with status 1 where an edge points up, two units (a header with its source) include each other on any way, a
+folder has too many files, the program includes what is neither public nor in base/, a folder or a header is not listed, there are too
+many headers, or the diagram in docs/images/rooms.svg does not match this graph; --svg writes it.
 """
 import argparse
 import collections
@@ -20,8 +20,10 @@ DRAWING = ROOT / "docs" / "images" / "rooms.svg"
 ROOMS = ["base", "base/text", "base/files", "cl", "mesh", "mesh/search", "mesh/attributes", "mesh/repair", "intersect", "intersect/arrange", "clean",
          "voxelize/leaves", "voxelize/fill", "voxelize/bodies", "voxelize", "seed/draw", "seed", "grow/fields", "grow/sized", "grow/splits", "grow", "erode",
          "remesh", "remesh/decimate", "remesh/parts", "cut", "interface/cells", "interface", "surface/exact", "surface", "points", "appearance", "pipeline",
-         "evaluate", "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/voxels", "formats/points", "formats/images", "options", "viewer",
-         "folder", "dataset", "assimp_program", "cli",
+         "evaluate", "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/ply", "formats/obj", "formats/gltf", "formats/usd", "formats/geo",
+         "formats/mesh_files", "formats/voxels", "formats/points", "formats/images", "options", "viewer", "folder/manifest", "folder/files", "folder/read",
+         "folder", "dataset/store", "dataset/journal", "dataset/layouts", "dataset/report", "dataset", "assimp_program", "cli/terminal", "cli/arguments",
+         "cli/evaluate", "cli/doctor", "cli",
          "cgal"]  # implements an interface of cli/: docs/decisions/0005-licenses.md
 
 HEADERS = {  # include/sherd/, by the lowest room that knows its types
@@ -38,8 +40,8 @@ HEADERS = {  # include/sherd/, by the lowest room that knows its types
     "render": "render",
     "formats": "files",
     "options": "options",
-    "folder": "folder",
-    "dataset": "dataset",
+    "folder/manifest": "folder",
+    "dataset/store": "dataset",
     "cli": "sherd",  # includes all the others
 }
 ROOM_OF_HEADER = {f"sherd/{name}.h": room for room, names in HEADERS.items() for name in names.split()}
@@ -62,6 +64,8 @@ def included_room(include):
 
 
 MOST_HEADERS = 16  # besides sherd.h: one concept each
+MOST_FILES = 30  # of a room: what one person can keep in mind
+MANY_FORMATS = {"formats/mesh"}  # what the readers and writers of meshes share
 
 
 def read_graph():
@@ -85,9 +89,48 @@ def read_graph():
                 edges[room, other] += 1
                 if ROOMS.index(other) > ROOMS.index(room):
                     faults.append(f"{path} includes {include}: {other} is above {room}")
-                if room == "cli" and not other.startswith("base") and not include.startswith("sherd/"):
+                if room.startswith("cli") and not other.startswith(("base", "cli")) and not include.startswith("sherd/"):
                     faults.append(f"{path} includes {include}: the program uses public headers, base/ and itself only")
     return edges, faults
+
+
+def read_units():
+    """Returns {unit: units that it includes}, a unit being a path in src/ without its suffix."""
+    units = collections.defaultdict(set)
+    for file in (ROOT / "src").rglob("*"):
+        if file.suffix not in (".h", ".cpp"):
+            continue
+        unit = str(file.relative_to(ROOT / "src").with_suffix(""))
+        for include in re.findall(r'^#include "([^"]+)\.h"', file.read_text(), re.MULTILINE):
+            if include != unit and (ROOT / "src" / f"{include}.h").is_file():
+                units[unit].add(include)
+    return units
+
+
+def circles(units):
+    """Returns a sentence for each set of units that include each other."""
+    below = {}
+
+    def reached(unit):
+        found, left = set(), [unit]
+        while left:
+            for other in units.get(left.pop(), ()):
+                if other not in found:
+                    found.add(other)
+                    left.append(other)
+        return found
+
+    for unit in units:
+        below[unit] = reached(unit)
+    rings = {tuple(sorted({unit} | {o for o in below[unit] if unit in below.get(o, ())})) for unit in units if unit in below[unit]}
+    return [f"{', '.join(ring)} include each other" for ring in sorted(rings)]
+
+
+def crowded():
+    """Returns a sentence for each room with too many files."""
+    counts = collections.Counter(room_of(f.relative_to(ROOT)) for f in (ROOT / "src").rglob("*") if f.suffix in (".h", ".cpp"))
+    return [f"src/{room} has {count} files, at most {MOST_FILES} are allowed" for room, count in sorted(counts.items(), key=str)
+            if count > MOST_FILES and room not in MANY_FORMATS]
 
 
 def without_shortcuts(edges):
@@ -130,6 +173,7 @@ def main():
     parser.add_argument("--svg", metavar="FILE", type=pathlib.Path, help="write the drawing")
     arguments = parser.parse_args()
     edges, faults = read_graph()
+    faults += circles(read_units()) + crowded()
     for room in ROOMS:
         below = [f"{other} {edges[room, other]}" for other in ROOMS if edges[room, other]]
         print(f"{room}: {', '.join(below) or 'nothing'}")

@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "base/memory_gate.h"
 #include "base/uncancelled.h"
-#include "folder/mesh_report.h"
+#include "folder/manifest/mesh_report.h"
 #include "points/check_points.h"
 #include "points/point_sequence.h"
 #include "points/sample_surface.h"

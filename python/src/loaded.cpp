@@ -7,7 +7,7 @@
 
 #include "base/input_error.h"
 #include "base/memory.h"
-#include "folder/read_manifest.h"
+#include "folder/manifest/read_manifest.h"
 #include "fracture.h"
 #include "points/sample_surface.h"
 

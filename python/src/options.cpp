@@ -13,7 +13,7 @@
 #include <set>
 #include <sstream>
 
-#include "folder/read_manifest.h"
+#include "folder/manifest/read_manifest.h"
 #include "options/record.h"
 #include "text.h"
 

@@ -1,5 +1,5 @@
 // Checks a mesh with CGAL.
-#include "cli/cgal_checks.h"
+#include "cli/evaluate/cgal_checks.h"
 
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>

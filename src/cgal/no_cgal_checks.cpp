@@ -1,7 +1,7 @@
 // Replaces the CGAL checks in a build without GPL packages.
 #include <sherd/error.h>
 
-#include "cli/cgal_checks.h"
+#include "cli/evaluate/cgal_checks.h"
 
 namespace sherd {
 

@@ -9,13 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "cli/command.h"
-#include "cli/config_arguments.h"
+#include "cli/arguments/config_arguments.h"
+#include "cli/arguments/machine_options.h"
+#include "cli/arguments/table_options.h"
 #include "cli/dataset_printer.h"
-#include "cli/foreign_exit.h"
-#include "cli/interrupts.h"
-#include "cli/machine_options.h"
-#include "cli/table_options.h"
+#include "cli/terminal/command.h"
+#include "cli/terminal/foreign_exit.h"
+#include "cli/terminal/interrupts.h"
 
 namespace sherd::cli {
 namespace {

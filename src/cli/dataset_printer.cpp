@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text/printable.h"
-#include "cli/command.h"
-#include "cli/progress_line.h"
+#include "cli/terminal/command.h"
+#include "cli/terminal/progress_line.h"
 
 namespace sherd::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/command.h"
+#include "cli/terminal/command.h"
 
 namespace sherd::cli {
 namespace {

@@ -16,14 +16,14 @@
 #include <vector>
 
 #include "base/memory.h"
-#include "cli/cgal_checks.h"
-#include "cli/command.h"
-#include "cli/evaluate_report.h"
-#include "cli/held_files.h"
-#include "cli/interrupts.h"
-#include "cli/option_text.h"
-#include "cli/output_path.h"
-#include "cli/statistics_report.h"
+#include "cli/arguments/option_text.h"
+#include "cli/evaluate/cgal_checks.h"
+#include "cli/evaluate/evaluate_report.h"
+#include "cli/evaluate/statistics_report.h"
+#include "cli/terminal/command.h"
+#include "cli/terminal/held_files.h"
+#include "cli/terminal/interrupts.h"
+#include "cli/terminal/output_path.h"
 
 namespace sherd::cli {
 namespace {

@@ -22,15 +22,15 @@
 #include "base/text/safe_name.h"
 #include "base/text/text_scan.h"
 #include "base/threads.h"
-#include "cli/command.h"
-#include "cli/config_arguments.h"
-#include "cli/foreign_exit.h"
+#include "cli/arguments/config_arguments.h"
+#include "cli/arguments/machine_options.h"
+#include "cli/arguments/table_options.h"
 #include "cli/fracture_printer.h"
-#include "cli/interrupts.h"
-#include "cli/machine_options.h"
-#include "cli/progress_events.h"
-#include "cli/progress_line.h"
-#include "cli/table_options.h"
+#include "cli/terminal/command.h"
+#include "cli/terminal/foreign_exit.h"
+#include "cli/terminal/interrupts.h"
+#include "cli/terminal/progress_events.h"
+#include "cli/terminal/progress_line.h"
 
 namespace sherd::cli {
 namespace {

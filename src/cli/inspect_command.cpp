@@ -15,8 +15,8 @@
 #include "base/text/lower_case.h"
 #include "base/text/option_names.h"
 #include "base/text/printable.h"
-#include "cli/command.h"
-#include "cli/interrupts.h"
+#include "cli/terminal/command.h"
+#include "cli/terminal/interrupts.h"
 
 namespace sherd::cli {
 namespace {

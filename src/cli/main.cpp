@@ -19,14 +19,14 @@
 #include "base/text/printable.h"
 #include "base/threads.h"
 #include "base/version.h"
-#include "cli/cgal_checks.h"
-#include "cli/command.h"
-#include "cli/command_line.h"
-#include "cli/config_arguments.h"
-#include "cli/former_names.h"
-#include "cli/interrupts.h"
-#include "cli/uncaught.h"
-#include "cli/worker_threads.h"
+#include "cli/arguments/command_line.h"
+#include "cli/arguments/config_arguments.h"
+#include "cli/arguments/former_names.h"
+#include "cli/evaluate/cgal_checks.h"
+#include "cli/terminal/command.h"
+#include "cli/terminal/interrupts.h"
+#include "cli/terminal/uncaught.h"
+#include "cli/terminal/worker_threads.h"
 
 namespace sherd::cli {
 

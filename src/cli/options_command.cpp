@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "cli/command.h"
-#include "cli/table_options.h"
+#include "cli/arguments/table_options.h"
+#include "cli/terminal/command.h"
 
 namespace sherd::cli {
 namespace {

@@ -10,11 +10,11 @@
 
 #include "base/memory.h"
 #include "base/text/printable.h"
-#include "cli/command.h"
-#include "cli/held_files.h"
-#include "cli/interrupts.h"
-#include "cli/option_text.h"
-#include "cli/output_path.h"
+#include "cli/arguments/option_text.h"
+#include "cli/terminal/command.h"
+#include "cli/terminal/held_files.h"
+#include "cli/terminal/interrupts.h"
+#include "cli/terminal/output_path.h"
 
 extern char** environ;
 

@@ -10,9 +10,9 @@
 
 #include "base/cancel_flag.h"
 #include "base/files/unfinished.h"
-#include "dataset/fracture_line.h"
-#include "dataset/identity.h"
-#include "dataset/object_folder.h"
+#include "dataset/journal/object_folder.h"
+#include "dataset/layouts/fracture_line.h"
+#include "dataset/layouts/identity.h"
 #include "dataset/object_run.h"
 #include "dataset/output_root.h"
 

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <utility>
 
-#include "dataset/identity.h"
+#include "dataset/layouts/identity.h"
 
 namespace sherd {
 GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,

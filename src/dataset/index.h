@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <string>
 
-#include "dataset/journal.h"
-#include "dataset/plan.h"
-#include "dataset/statistics.h"
+#include "dataset/journal/journal.h"
+#include "dataset/journal/plan.h"
+#include "dataset/report/statistics.h"
 
 namespace sherd {
 

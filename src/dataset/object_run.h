@@ -10,7 +10,7 @@
 #include <string>
 
 #include "dataset/dataset_run.h"
-#include "dataset/journal.h"
+#include "dataset/journal/journal.h"
 
 namespace sherd {
 

@@ -11,12 +11,12 @@
 
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
-#include "dataset/hdf5_join.h"
 #include "dataset/index.h"
-#include "dataset/journal.h"
-#include "dataset/object_folder.h"
-#include "dataset/pfpp.h"
-#include "dataset/split_of.h"
+#include "dataset/journal/journal.h"
+#include "dataset/journal/object_folder.h"
+#include "dataset/layouts/hdf5_join.h"
+#include "dataset/layouts/pfpp.h"
+#include "dataset/layouts/split_of.h"
 
 namespace sherd {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "dataset/plan.h"
-#include "folder/partial_folder.h"
+#include "dataset/journal/plan.h"
+#include "folder/manifest/partial_folder.h"
 
 namespace sherd {
 

@@ -15,12 +15,12 @@
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
 #include "base/files/file_bytes.h"
-#include "dataset/bb_lists.h"
-#include "dataset/identity.h"
-#include "dataset/journal.h"
-#include "dataset/object_folder.h"
-#include "dataset/own_sums.h"
-#include "dataset/pfpp.h"
+#include "dataset/journal/journal.h"
+#include "dataset/journal/object_folder.h"
+#include "dataset/journal/own_sums.h"
+#include "dataset/layouts/bb_lists.h"
+#include "dataset/layouts/identity.h"
+#include "dataset/layouts/pfpp.h"
 #include "dataset/stored_object.h"
 
 namespace sherd {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/plan.h"
+#include "dataset/journal/plan.h"
 
 namespace sherd {
 

@@ -16,9 +16,9 @@
 
 #include "base/files/atomic_file.h"
 #include "base/files/unfinished.h"
-#include "dataset/failure.h"
-#include "dataset/journal.h"
-#include "dataset/object_folder.h"
+#include "dataset/journal/failure.h"
+#include "dataset/journal/journal.h"
+#include "dataset/journal/object_folder.h"
 #include "dataset/replaced_files.h"
 
 namespace sherd {

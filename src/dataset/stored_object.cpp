@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "dataset/index.h"
-#include "dataset/object_folder.h"
-#include "dataset/pfpp.h"
-#include "dataset/split_of.h"
+#include "dataset/journal/object_folder.h"
+#include "dataset/layouts/pfpp.h"
+#include "dataset/layouts/split_of.h"
 
 namespace sherd {
 

@@ -1,8 +1,8 @@
 // Where a layout stores the files of an object.
 #pragma once
 
-#include "dataset/plan.h"
-#include "dataset/store.h"
+#include "dataset/journal/plan.h"
+#include "dataset/store/store.h"
 
 namespace sherd {
 

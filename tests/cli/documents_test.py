@@ -47,7 +47,7 @@ MOMENTS = r"\bat present\b|\bcurrently\b|\bfor now\b|\bhas it yet\b|\bwhen it co
 # Words that docs/glossary.md has better ones for, and spelling that is not American.
 WORDS = (r"\b(tells?|told|telling)\b|colour|neighbour|\bcentr(e|es|ed)\b|\bgrey\b|labelled|(normal|general|initial|organ|optim)is(e|ation|ing)"
          r"|behaviour|\b(milli|nano)?metres?\b|\blicence")
-FORMER = ("src/cli/former_names.cpp", "src/dataset/parsed_journal.cpp")  # which read what an earlier version wrote
+FORMER = ("src/cli/arguments/former_names.cpp", "src/dataset/layouts/parsed_journal.cpp")  # which read what an earlier version wrote
 
 
 @functools.cache

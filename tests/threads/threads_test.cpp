@@ -19,9 +19,9 @@
 
 #include "base/files/atomic_file.h"
 #include "base/files/unfinished.h"
-#include "cli/held_files.h"
-#include "dataset/file_queue.h"
-#include "dataset/store.h"
+#include "cli/terminal/held_files.h"
+#include "dataset/store/file_queue.h"
+#include "dataset/store/store.h"
 #include "temp_folder.h"
 
 namespace sherd {

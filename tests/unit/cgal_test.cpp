@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "../shapes.h"
-#include "cli/cgal_checks.h"
+#include "cli/evaluate/cgal_checks.h"
 
 namespace sherd {
 namespace {

@@ -18,7 +18,7 @@
 #include "../mesh_checks.h"
 #include "../shapes.h"
 #include "base/union_find.h"
-#include "cli/cgal_checks.h"
+#include "cli/evaluate/cgal_checks.h"
 #include "intersect/crossing_point.h"
 
 namespace sherd {

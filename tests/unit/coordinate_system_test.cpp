@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/mesh/gltf_root.h"
+#include "formats/gltf/gltf_root.h"
 #include "formats/mesh/mesh_stream.h"
 
 namespace sherd {

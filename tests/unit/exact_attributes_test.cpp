@@ -19,9 +19,9 @@
 
 #include "appearance/transfer.h"
 #include "formats/mesh/materials.h"
-#include "formats/mesh/obj.h"
 #include "formats/mesh/piece_mesh.h"
-#include "formats/mesh/ply.h"
+#include "formats/obj/obj.h"
+#include "formats/ply/ply.h"
 #include "shapes.h"
 #include "temp_folder.h"
 

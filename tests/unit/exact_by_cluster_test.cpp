@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "folder/mesh_report.h"
+#include "folder/manifest/mesh_report.h"
 #include "mesh/positions.h"
 #include "shapes.h"
 #include "surface/exact/body_clusters.h"

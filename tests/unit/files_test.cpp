@@ -17,8 +17,8 @@
 #include <string>
 
 #include "base/files/atomic_file.h"
-#include "cli/held_files.h"
-#include "folder/read_manifest.h"
+#include "cli/terminal/held_files.h"
+#include "folder/manifest/read_manifest.h"
 #include "formats/voxels/vdb.h"
 #include "full_disk.h"
 #include "shapes.h"

@@ -10,8 +10,8 @@
 
 #include "../temp_folder.h"
 #include "base/files/unfinished.h"
-#include "folder/partial_folder.h"
-#include "folder/read_manifest.h"
+#include "folder/manifest/partial_folder.h"
+#include "folder/manifest/read_manifest.h"
 
 namespace sherd {
 namespace {

@@ -19,7 +19,7 @@
 
 #include "base/random.h"
 #include "cut/cut.h"
-#include "folder/manifest.h"
+#include "folder/manifest/manifest.h"
 #include "interface/contacts.h"
 #include "interface/interface_surface.h"
 #include "kernels/device_fixture.h"

@@ -1,5 +1,5 @@
 // Files of Houdini's geometry with many pieces, and what interrupts them.
-#include "formats/mesh/geo.h"
+#include "formats/geo/geo.h"
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "folder/split_levels.h"
+#include "folder/files/split_levels.h"
 
 namespace sherd {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "folder/manifest.h"
+#include "folder/manifest/manifest.h"
 #include "kernels/device_fixture.h"
 #include "shapes.h"
 

@@ -15,11 +15,11 @@
 #include <set>
 #include <sstream>
 
-#include "formats/mesh/glb.h"
+#include "formats/gltf/glb.h"
 #include "formats/mesh/materials.h"
-#include "formats/mesh/obj.h"
 #include "formats/mesh/piece_mesh.h"
-#include "formats/mesh/ply.h"
+#include "formats/obj/obj.h"
+#include "formats/ply/ply.h"
 #include "mesh/vertex_normals.h"
 #include "shapes.h"
 #include "temp_folder.h"

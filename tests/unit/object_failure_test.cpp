@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "cl/device_impl.h"
-#include "dataset/failure.h"
+#include "dataset/journal/failure.h"
 #include "shapes.h"
 #include "temp_folder.h"
 

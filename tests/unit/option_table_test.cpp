@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/identity.h"
+#include "dataset/layouts/identity.h"
 #include "options/record.h"
 
 namespace sherd {

@@ -1,5 +1,5 @@
 // Which of the files that a manifest lists are a fracture's by their names.
-#include "folder/own_files.h"
+#include "folder/manifest/own_files.h"
 
 #include <gtest/gtest.h>
 #include <sherd/files.h>
@@ -9,8 +9,8 @@
 #include <set>
 
 #include "base/text/option_names.h"
-#include "folder/file_names.h"
-#include "folder/read_manifest.h"
+#include "folder/manifest/file_names.h"
+#include "folder/manifest/read_manifest.h"
 
 namespace sherd {
 namespace {

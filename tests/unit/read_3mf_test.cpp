@@ -1,5 +1,5 @@
 // What is read of 3MF files: geometry, units, colors and materials of triangles.
-#include "formats/mesh/read_3mf.h"
+#include "formats/mesh_files/read_3mf.h"
 
 #include <gtest/gtest.h>
 #include <sherd/files.h>

@@ -1,5 +1,5 @@
 // What sherd-assimp reads, and what becomes of a program in its place that dies, hangs or lies.
-#include "formats/mesh/read_assimp.h"
+#include "formats/mesh_files/read_assimp.h"
 
 #include <gtest/gtest.h>
 #include <sherd/files.h>

@@ -1,6 +1,6 @@
 // Manifests that nobody of ours wrote: what is wrong with them is reported, and no file outside
 // their folder is named.
-#include "folder/read_manifest.h"
+#include "folder/manifest/read_manifest.h"
 
 #include <gtest/gtest.h>
 #include <sherd/error.h>

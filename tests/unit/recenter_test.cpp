@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "folder/rounding.h"
+#include "folder/manifest/rounding.h"
 #include "seed/draw/density.h"
 #include "shapes.h"
 

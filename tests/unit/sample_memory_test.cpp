@@ -16,8 +16,8 @@
 
 #include "../shapes.h"
 #include "base/memory_gate.h"
-#include "folder/write_memory.h"
-#include "folder/write_points.h"
+#include "folder/files/write_memory.h"
+#include "folder/files/write_points.h"
 #include "formats/points/write_blocks.h"
 #include "points/contact_sequence.h"
 #include "points/distance_sequence.h"

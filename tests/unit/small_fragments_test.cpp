@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "folder/small_pieces.h"
+#include "folder/manifest/small_pieces.h"
 #include "grow/sized/raise_small.h"
 #include "kernels/voxel_shapes.h"
 #include "shapes.h"

@@ -20,7 +20,7 @@
 
 #include "base/files/atomic_file.h"
 #include "base/files/unfinished.h"
-#include "cli/held_files.h"
+#include "cli/terminal/held_files.h"
 #include "cut/cut.h"
 #include "formats/voxels/voxel_faces.h"
 #include "interface/cells/creases.h"

@@ -4,8 +4,8 @@
 #include <sherd/error.h>
 
 #include "base/files/file_bytes.h"
-#include "dataset/hdf5_part.h"
-#include "dataset/pfpp_matches.h"
+#include "dataset/layouts/hdf5_part.h"
+#include "dataset/layouts/pfpp_matches.h"
 #include "temp_folder.h"
 
 namespace sherd {

@@ -9,7 +9,7 @@
 
 #include "base/text/number_text.h"
 #include "base/text/safe_name.h"
-#include "formats/mesh/gltf_material.h"
+#include "formats/mesh/material.h"
 
 namespace sherd {
 namespace {

@@ -11,7 +11,7 @@
 #include "base/text/option_names.h"
 #include "base/text/text_scan.h"
 #include "formats/arrays/npy_reader.h"
-#include "formats/mesh/ply_body.h"
+#include "formats/ply/ply_body.h"
 #include "formats/points/parse_points.h"
 
 namespace sherd {
