@@ -66,7 +66,7 @@ glm::dvec3 vectorFrom(const In& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
-Impact impactFrom(const In& json) {
+Impact impactOfJson(const In& json) {
   Impact impact;
   if (json.contains("point")) impact.target = glm::dvec3{vectorFrom(json.at("point"))};
   if (json.contains("ray")) {
@@ -169,7 +169,7 @@ RunOptions optionsRecorded(const In& recorded) {
     if (at == nullptr) continue;
     try {
       if (row.key == kImpacts) {
-        for (const In& impact : *at) options.fracture.seeds.impacts.push_back(impactFrom(impact));
+        for (const In& impact : *at) options.fracture.seeds.impacts.push_back(impactOfJson(impact));
       } else if (row.key == kGuides) {
         for (const In& guide : *at) {
           row.value.set(options, guide.at("file").get<std::string>());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cl/builtin_device.h"
+#include "cl/device_search.h"
 #include "cl/open_cl_device.h"
 
 namespace sherd {

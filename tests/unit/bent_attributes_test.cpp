@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "interface/flat_input.h"
 #include "shapes.h"
 #include "surface/simplify.h"
 
