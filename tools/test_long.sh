@@ -11,9 +11,9 @@ tools/build.sh release -- -DSHERD_TESTS=ON
 
 if [ -n "${SHERD_TEST_DATA:-}" ] && [ -n "${1:-}" ]; then
   echo "== all real meshes, at 128 voxels in 8 pieces and at 200 in 40"
-  tools/verify_meshes.sh build/release/sherd "$SHERD_TEST_DATA" "$1"
+  tools/release/verify_meshes.sh build/release/sherd "$SHERD_TEST_DATA" "$1"
   echo "== 300 fractures by random options"
-  tools/verify_options.sh build/release/sherd "$SHERD_TEST_DATA" "$1" random
+  tools/release/verify_options.sh build/release/sherd "$SHERD_TEST_DATA" "$1" random
 fi
 
 echo "== every call that may fail"
@@ -40,7 +40,7 @@ SHERD_KILLS=all SHERD_BIN=$PWD/build/release/sherd SHERD_FAULTS=$PWD/build/relea
 echo "== valgrind: a small fracture with every file but the preview"
 folder=$(mktemp -d)
 OCL_ICD_VENDORS=pocl.icd POCL_MAX_PTHREAD_COUNT=1 valgrind --quiet --error-exitcode=9 --leak-check=no \
-  --suppressions=tools/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
+  --suppressions=tools/release/valgrind.supp build/release/sherd fracture data/amphora.ply -o "$folder/out" --pieces 2 --resolution 48 \
   --threads 1 --mesh-format ply,obj,glb,stl --points 10 --sdf-samples 10 --correspondences 5 \
   --write labels,vdb,mesh,seeds,boundaries,cost,fog,solid,scene,usd,graph,houdini,viewer,proxy --voxel-format rle,npy,npz,vox,qstack,bing
 rm -r "$folder"
@@ -51,7 +51,7 @@ rm -r build/alone
 
 echo "== all unit and kernel tests with sanitizers, and the program's"
 tools/build.sh asan sherd_tests sherd_kernel_tests sherd_cli
-tools/check_sanitized.sh
+tools/release/check_sanitized.sh
 ASAN_OPTIONS=detect_leaks=0:use_sigaltstack=0 ctest --test-dir build/asan --output-on-failure --no-tests=error -j 2 -R '^(cli|dataset|surface|points)$'
 
 echo "== fuzzing the readers, each for five minutes or SHERD_FUZZ_SECONDS"
@@ -78,7 +78,7 @@ ctest --test-dir build/release -C Long --output-on-failure --no-tests=error -R '
 
 echo "== points against Debian's Point Cloud Library"
 DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libpcl-dev > /dev/null
-tools/check_pcl.sh build/release/sherd
+tools/release/check_pcl.sh build/release/sherd
 
 echo "== a thousand million voxels"
 tests/long/large.py build/release/sherd
@@ -130,10 +130,10 @@ echo "== pages of the viewer in a browser"
 tests/long/viewer.py build/release/sherd
 
 echo "== what measures: Sherd beside other programs, instructions, and devices from an archive"
-tools/bench_peers.sh
-tools/bench_counts.sh --repeats 2 build/release/sherd
+tools/bench/bench_peers.sh
+tools/bench/bench_counts.sh --repeats 2 build/release/sherd
 folder=$(mktemp -d)
-tools/bench_gpu.sh --pack "$folder/bench_gpu.tar.gz"
+tools/bench/bench_gpu.sh --pack "$folder/bench_gpu.tar.gz"
 tar -C "$folder" -xzf "$folder/bench_gpu.tar.gz"
 OCL_ICD_VENDORS=pocl.icd "$folder/bench_gpu/bench_gpu.sh" --seconds 120
 rm -r "$folder"
@@ -164,11 +164,11 @@ lacking builtin -DSHERD_OPENCL=OFF
 lacking Portable -DSHERD_CLANG=
 
 echo "== the package where there is no OpenCL"
-tools/no_driver.sh build/release/sherd_*.deb
+tools/release/no_driver.sh build/release/sherd_*.deb
 
 echo "== the Python module: 10,000 fractures and objects, Python and pip alone, and its meshes in trimesh and manifold3d"
 SHERD_PYTHON_FRACTURES=10000 tools/test_python.sh -k memory
-tools/bare_python.sh build/python/wheel/*.whl
+tools/release/bare_python.sh build/python/wheel/*.whl
 echo "== 2000 damages of pickles, and of .vdb files"
 build/python/venv/bin/python -B tests/long/pickles.py 2000
 echo "== exact pieces of bodies that overlap, beside the unions that manifold3d makes"
@@ -191,4 +191,4 @@ build/python/venv/bin/pip install -q --disable-pip-version-check "dask[bag]==202
 build/python/venv/bin/python -B examples/python/with_dask.py build/python/dask data/amphora.ply
 
 echo "== a fresh Debian 12"
-tools/fresh_machine.sh
+tools/release/fresh_machine.sh

@@ -1,5 +1,5 @@
 // Growth on every OpenCL device beside the built-in one, as one table in Markdown; run by
-// tools/bench_gpu.sh.
+// tools/bench/bench_gpu.sh.
 //
 // usage: device_bench --list                prints a device a line: its name
 //        device_bench SECONDS DEVICE...     prints the table, in at most about SECONDS

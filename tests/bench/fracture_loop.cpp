@@ -1,5 +1,5 @@
-// What tools/python_overhead.py compares the Python module with: fractures of one solid, and their
-// meshes.
+// What tools/bench/python_overhead.py compares the Python module with: fractures of one solid, and
+// their meshes.
 //
 // usage: fracture_loop MESH RESOLUTION FRACTURES
 // Prints for each fracture the seconds that pass and those of the processors, and all faces.

@@ -6,7 +6,7 @@
 // All grow the same ball from the same ten seeds; all are warm.  Run with
 // --benchmark_enable_random_interleaving=true
 // --benchmark_repetitions=9 --benchmark_report_aggregates_only=true and compare medians
-// (tools/bench.sh does).
+// (tools/bench/bench.sh does).
 #include <benchmark/benchmark.h>
 #include <sherd/labels.h>
 #include <tbb/blocked_range.h>

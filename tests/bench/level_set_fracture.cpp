@@ -1,5 +1,5 @@
-// What tools/bench_peers.py compares Sherd with: OpenVDB's LevelSetFracture, whose cutters are the
-// Voronoi cells of random seeds.
+// What tools/bench/bench_peers.py compares Sherd with: OpenVDB's LevelSetFracture, whose cutters
+// are the Voronoi cells of random seeds.
 //
 // usage: level_set_fracture MESH FOLDER PIECES SEED RESOLUTION FRACTURES
 // Writes FOLDER/0/piece_0.ply, ...  The level set of the mesh is made once for all fractures.

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The tools that measure (tools/bench_*): small runs of each, and their arithmetic against files written by hand.
+"""The tools that measure (tools/bench/): small runs of each, and their arithmetic against files written by hand.
 
 SHERD_BIN names the program, in a build whose programs of tests/bench lie in tests/bench beside it.  No time is checked.
 """
@@ -19,7 +19,7 @@ import skipping
 
 SHERD = pathlib.Path(os.environ["SHERD_BIN"])
 PROGRAMS = SHERD.parent / "tests" / "bench"
-TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools" / "bench"
 CUBE = ([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)],
         [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
          (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)])
@@ -128,7 +128,7 @@ class Ratios(Folder):
 
 @skipping.skip_unless((PROGRAMS / "device_bench").exists(), "BENCH", "the benchmarks are not built")
 class Devices(Folder):
-    """tools/bench_gpu.sh as it lies in an unpacked archive, where it builds nothing."""
+    """tools/bench/bench_gpu.sh as it lies in an unpacked archive, where it builds nothing."""
 
     def setUp(self):
         super().setUp()

@@ -20,7 +20,7 @@ from scipy.spatial import ConvexHull, Voronoi
 from evaluating import SHERD, Evaluating
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools" / "studies"))
 import split_polygons  # noqa: E402
 
 FACES = [(0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 2, 3), (0, 3, 1),

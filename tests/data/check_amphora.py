@@ -29,7 +29,7 @@ def read_ply(data):
 def generate(*options):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "amphora.ply"
-        subprocess.run([sys.executable, ROOT / "tools" / "make_amphora.py", file, *options], check=True,
+        subprocess.run([sys.executable, ROOT / "tools" / "studies" / "make_amphora.py", file, *options], check=True,
                        stdout=subprocess.DEVNULL)
         return file.read_bytes()
 

@@ -1,5 +1,6 @@
-// A kernel with a deliberate data race.  tools/check_kernels.sh runs it under oclgrind and fails if
-// no race is reported: a checker that misses this one proves nothing about the real kernels.
+// A kernel with a deliberate data race.  tools/release/check_kernels.sh runs it under oclgrind and
+// fails if no race is reported: a checker that misses this one proves nothing about the real
+// kernels.
 #include <sherd/device.h>
 
 #include <iostream>

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "unit/seeds_fixture.h"
+#include "unit/seed/seeds_fixture.h"
 
 namespace sherd::random_case {
 

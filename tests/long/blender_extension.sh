@@ -10,7 +10,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 venvs=()
 for venv in "$@"; do venvs+=("$(realpath "$venv")"); done
 cd "$here/../.."
-source tools/chroot.sh
+source tools/release/chroot.sh
 new_chroot
 trap 'umount "$root/opt/blender" 2> /dev/null || true; leave_chroot "$root"; rm -rf --one-file-system "$work"' EXIT
 cp "$zip" "$root/extension.zip"
