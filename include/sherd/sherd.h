@@ -39,6 +39,7 @@
 #include <sherd/folder.h>
 #include <sherd/fracture.h>
 #include <sherd/fragments.h>
+#include <sherd/growth.h>
 #include <sherd/labels.h>
 #include <sherd/mesh.h>
 #include <sherd/options.h>

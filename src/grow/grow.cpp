@@ -1,5 +1,6 @@
 // Growth in stages: grow, roughen, keep connected voxels, regrow the others, extend labels.
 #include <sherd/error.h>
+#include <sherd/growth.h>
 #include <sherd/labels.h>
 
 #include <algorithm>

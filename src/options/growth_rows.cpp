@@ -1,4 +1,6 @@
 // Growth, erosion, and the fragments that are withheld: one row for each option.
+#include <sherd/growth.h>
+
 #include <algorithm>
 #include <string>
 #include <vector>

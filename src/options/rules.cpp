@@ -1,6 +1,7 @@
 // Options that require or exclude others: one rule for each condition.
 #include <sherd/error.h>
 #include <sherd/files.h>
+#include <sherd/growth.h>
 #include <sherd/options.h>
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #include "pipeline/fracture_stages.h"
 
 #include <sherd/error.h>
+#include <sherd/growth.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,6 +2,7 @@
 #include "pipeline/memory_estimate.h"
 
 #include <sherd/fracture.h>
+#include <sherd/growth.h>
 #include <sherd/solid.h>
 
 #include <algorithm>

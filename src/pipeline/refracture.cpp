@@ -2,6 +2,7 @@
 // recomputed for all fragments together.
 #include <sherd/error.h>
 #include <sherd/fracture.h>
+#include <sherd/growth.h>
 
 #include <cmath>
 #include <numeric>

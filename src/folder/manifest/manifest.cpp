@@ -3,6 +3,7 @@
 
 #include <sherd/evaluate.h>
 #include <sherd/folder.h>
+#include <sherd/growth.h>
 #include <sherd/options.h>
 #include <tbb/parallel_for.h>
 

@@ -1,5 +1,6 @@
 // Finds a growth rule by its name.
 #include <sherd/error.h>
+#include <sherd/growth.h>
 #include <sherd/labels.h>
 
 #include <string>

@@ -2,6 +2,7 @@
 #include "grow/sized/shares.h"
 
 #include <sherd/error.h>
+#include <sherd/growth.h>
 #include <sherd/labels.h>
 
 #include <algorithm>
