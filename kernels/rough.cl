@@ -7,7 +7,8 @@
 // s^H is proportional to t^P in all octaves, the exponent is P along this axis, and the smaller of s and t is S / 2^k.
 // Lattices do not depend on the voxels, so D is a function of space; octaves with a spacing below 2 voxels are left
 // out.  The walk takes one face step at a time and skips steps that leave the solid, so it slides along walls.  All
-// arithmetic is on integers.  Leaves too far from every crack for a walk to reach another label keep their labels.
+// arithmetic is on integers.  An anchor's displacement is subtracted, so that what is there stays: where an impact
+// strikes its cracks meet.  Leaves too far from every crack for a walk to reach another label keep their labels.
 // Sources: Bouchaud, Scaling properties of cracks, J. Phys. Condens. Matter 9, 1997; Ponson, Bonamy, Bouchaud,
 // Two-dimensional scaling properties of experimental fracture surfaces, Phys. Rev. Lett. 96, 2006.
 //
@@ -277,13 +278,14 @@ inline void narrow_bounds(const ulong seed, const int octave, const struct latti
 inline bool walks_end_within(const int rings, const ulong seed, const global long* restrict step,
                              const global long* restrict propagationStep, const int propagation,
                              const global int* restrict amplitude, const int firstOctave, const int octaves,
-                             const int4 leafLow) {
+                             const int4 leafLow, const int4 anchor) {
+  const int away[3] = {anchor.x, anchor.y, anchor.z};
   int sum = 0;
   for (int n = 0; n < octaves; ++n) sum += amplitude[n];
   struct displacement_bounds bounds;
   for (int axis = 0; axis < 3; ++axis) {
-    bounds.least[axis] = 128 - sum;  // 128 rounds to the nearest voxel
-    bounds.most[axis] = 128 + sum;
+    bounds.least[axis] = 128 - sum - away[axis];  // 128 rounds to the nearest voxel
+    bounds.most[axis] = 128 + sum - away[axis];
   }
   for (int n = 0; n <= octaves; ++n) {
     int most = 0;
@@ -358,6 +360,35 @@ inline void keep_labels(const global ulong* restrict inside, const struct leaf_l
   }
 }
 
+// Finds the displacements at some voxels.
+kernel void rough_at(
+    const global int4* restrict voxel,        // [fractures]   w: 0 where there is none
+    const uint fractures,
+    const global ulong* restrict noiseSeed,   // as of rough, with the next six
+    const global long* restrict step,
+    const global long* restrict propagationStep,
+    const int propagation,
+    const global int* restrict amplitude,
+    const int firstOctave,
+    const int octaves,
+    global int4* restrict found)              // [fractures]   out: 1/256 voxel, w unused
+{
+  for (size_t i = get_global_id(0); i < fractures; i += get_global_size(0)) {
+    const int4 at = voxel[i];
+    int8 displacement[3 * 64];
+    for (int row = 0; row < 3 * 64; ++row) displacement[row] = (int8)(0);
+    for (int n = 0; at.w != 0 && n < octaves; ++n) {
+      add_octave(noiseSeed[i], firstOctave + n, steps_of(step[n], propagationStep[n], propagation), amplitude[n],
+                 (int4)(at.x & ~7, at.y & ~7, at.z & ~7, 0), displacement);
+    }
+    int along[3][8];
+    for (int axis = 0; axis < 3; ++axis) {
+      vstore8(displacement[axis * 64 + (at.x & 7) * 8 + (at.y & 7)], 0, along[axis]);
+    }
+    found[i] = (int4)(along[0][at.z & 7], along[1][at.z & 7], along[2][at.z & 7], 0);
+  }
+}
+
 kernel void rough(
     const global ulong* restrict inside,      // [leafCount*8]
     const global uint* restrict neighbor,     // [leafCount*6]
@@ -372,6 +403,7 @@ kernel void rough(
     const global int* restrict amplitude,     // [octaves]     1/256 voxel, the largest lattice value
     const int firstOctave,                    // octave k has a least spacing of S / 2^k
     const int octaves,
+    const global int4* restrict anchor,       // [fractures]   1/256 voxel, subtracted from displacements
     const global uint* restrict uniformRings,  // [items]      from rough_rings
     const global uint* restrict full,         // [items]       from rough_leaves
     LEAF_LABELS,                              // before
@@ -381,13 +413,18 @@ kernel void rough(
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
     const ulong seed = noiseSeed[item / leafCount];
+    const int4 away = anchor[item / leafCount];
     if (walks_end_within((int)uniformRings[item], seed, step, propagationStep, propagation, amplitude, firstOctave,
-                         octaves, origin[leaf])) {
+                         octaves, origin[leaf], away)) {
       keep_labels(inside, &before, leaf, item, after);
       continue;
     }
     int8 displacement[3 * 64];
-    for (int row = 0; row < 3 * 64; ++row) displacement[row] = (int8)(128);  // half a voxel: rounds to the nearest
+    for (int row = 0; row < 64; ++row) {  // half a voxel: rounds to the nearest
+      displacement[row] = (int8)(128 - away.x);
+      displacement[64 + row] = (int8)(128 - away.y);
+      displacement[2 * 64 + row] = (int8)(128 - away.z);
+    }
     for (int n = 0; n < octaves; ++n) {
       add_octave(seed, firstOctave + n, steps_of(step[n], propagationStep[n], propagation), amplitude[n], origin[leaf],
                  displacement);
@@ -401,10 +438,10 @@ kernel void rough(
         const int v = row * 8 + z;
         const int way[3] = {ways[0][z], ways[1][z], ways[2][z]};
         const int x = (v >> 6) + way[0], y = ((v >> 3) & 7) + way[1], to = (v & 7) + way[2];
-        const int4 away = (int4)(x >> 3, y >> 3, to >> 3, 0);
-        if (any(away != last)) {
-          end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, away.x, away.y, away.z);
-          last = away;
+        const int4 leaves = (int4)(x >> 3, y >> 3, to >> 3, 0);
+        if (any(leaves != last)) {
+          end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, leaves.x, leaves.y, leaves.z);
+          last = leaves;
         }
         ushort label = 0;
         if (end != SHERD_NO_LEAF) {  // only inside voxels between

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -155,6 +156,9 @@ struct GrowOptions {
   bool regrowIsolated = true;  ///< gives voxels disconnected from their fragment's first seed to
                                ///< neighbors, so that every fragment is 6-connected
   std::vector<std::uint64_t> noiseSeeds{};  ///< [seed sets] for rough cracks; missing ones are 0
+  /// [seed sets] voxels that roughness does not move, such as where an impact strikes; missing ones
+  /// are none.
+  std::vector<std::optional<openvdb::Coord>> noiseAnchors{};
   /// [seed sets] for growths that give Voronoi cells, by Euclidean distances: those of the same
   /// leaf blocks, at whose middle voxels are compared with seeds, see Labels::walls; missing ones
   /// are null.  All that are not null are the same.

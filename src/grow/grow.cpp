@@ -153,7 +153,7 @@ struct Growing {
   void roughen() {
     std::vector<std::uint64_t> noise = options.noiseSeeds;
     noise.resize(state.fractures);
-    labels = labelsPerVoxel(state, roughened(state, labels, seeds, noise,
+    labels = labelsPerVoxel(state, roughened(state, labels, seeds, noise, options.noiseAnchors,
                                              noiseOctaves(reliefOf(options, solidBlocks))));
   }
 
@@ -424,6 +424,7 @@ std::vector<Grown> inBatches(std::span<const Run> runs, const LeafBlocks& blocks
       perRun.erase(perRun.begin(), perRun.begin() + static_cast<std::ptrdiff_t>(first));
     };
     from(batchOptions.noiseSeeds);
+    from(batchOptions.noiseAnchors);
     from(batchOptions.walls);
     for (Grown& grown : grow(runs.subspan(first, count), batchOptions)) {
       all.push_back(std::move(grown));

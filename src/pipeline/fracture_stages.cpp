@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <utility>
 
 #include "base/random.h"
@@ -133,9 +134,10 @@ void checkOptions(const FractureOptions& options) {
   }
   const SeedOptions none;
   if (options.seeds.pieces == none.pieces && options.seeds.seed == none.seed &&
-      options.grow.noiseSeeds.empty() && options.grow.walls.empty() &&
-      options.grow.longestSideVoxels == 0.0 && options.erode.longestSideVoxels == 0.0 &&
-      options.erode.seed == 0 && options.erode.least == 1) {
+      options.grow.noiseSeeds.empty() && options.grow.noiseAnchors.empty() &&
+      options.grow.walls.empty() && options.grow.longestSideVoxels == 0.0 &&
+      options.erode.longestSideVoxels == 0.0 && options.erode.seed == 0 &&
+      options.erode.least == 1) {
     return;
   }
   throw Error(
@@ -263,12 +265,23 @@ SeededLabels splitFor(const FractureOptions& options, const Solid& solid,
                        .front());
 }
 
+// Returns the voxel that roughness leaves where it is: that of the first impact.
+std::optional<openvdb::Coord> anchorOf(const FractureOptions& options, const Solid& solid) {
+  if (options.grow.roughness.isZero()) return {};
+  const std::optional<glm::dvec3> center = firstImpact(solid, options.seeds);
+  if (!center) return {};
+  const glm::dvec3 voxel = glm::round(*center);
+  return openvdb::Coord(static_cast<int>(voxel.x), static_cast<int>(voxel.y),
+                        static_cast<int>(voxel.z));
+}
+
 SeededLabels grownFor(const FractureOptions& options, const Solid& solid,
                       const VoxelComponents& components, std::vector<Seed> seeds,
                       std::uint64_t seed, SolidWalls& walls, Device& device,
                       const Progress* progress, const OtherSolid* other) {
   GrowOptions grow = options.grow;
   grow.noiseSeeds = {randomBits(seed, Stage::noise, 0)};
+  grow.noiseAnchors = {anchorOf(options, solid)};
   grow.longestSideVoxels =
       other != nullptr ? other->side / solid.frame.voxelSize : longestSideVoxels(solid);
   if (ruleOf(grow.growth).splits) {
@@ -410,6 +423,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
     all.push_back(seeded(ready, own, progress));
     seeds.push_back(all.back().result.seeds);
     together.noiseSeeds.push_back(randomBits(own.seed, Stage::noise, 0));
+    together.noiseAnchors.push_back(anchorOf(own, ready.solid));
   }
   clock.done("seed");
   std::vector<Labels> labels;

@@ -209,6 +209,14 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
   return aimedImpacts;
 }
 
+std::optional<glm::dvec3> firstImpact(const Solid& solid, const SeedOptions& options) {
+  if (options.impacts.empty()) return {};
+  const std::vector<std::uint64_t> surface = surfaceMask(*solid.blocks);
+  const VoxelIndex inside(*solid.blocks, solid.blocks->inside), onSurface(*solid.blocks, surface);
+  return aimedPoint(options.impacts.front(), 0, solid, options.seed, inside,
+                    Candidates(solid, onSurface, SeedsOn::surface));
+}
+
 void requireNearImpacts(const Solid& solid, std::span<const Impact> impacts) {
   std::optional<VoxelIndex> surface;
   const std::vector<std::uint64_t> mask = surfaceMask(*solid.blocks);

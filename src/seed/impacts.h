@@ -3,6 +3,7 @@
 
 #include <sherd/seeds.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,10 @@ struct AimedImpact {
                                            const SeedOptions& options, std::size_t pieces,
                                            const VoxelIndex& inside, const VoxelIndex& surface,
                                            const Progress* progress = nullptr);
+
+/// Returns the center of the first of the options' impacts, index space, if there are any.
+///   throws  Error(usage) a ray that misses
+[[nodiscard]] std::optional<glm::dvec3> firstImpact(const Solid& solid, const SeedOptions& options);
 
 /// Refuses points that are farther from the surface than kMostImpactDistance: they are not meant
 /// for where they would strike.

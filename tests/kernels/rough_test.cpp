@@ -3,6 +3,7 @@
 // requested one.
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include "base/random.h"
 #include "device_fixture.h"
@@ -83,10 +84,13 @@ std::int64_t displacement(std::uint64_t seed, const NoiseOctaves& octaves, int a
   return sum;
 }
 
-Coord wholeVoxels(std::uint64_t seed, const NoiseOctaves& octaves, const Coord& voxel) {
+Coord wholeVoxels(std::uint64_t seed, const NoiseOctaves& octaves, const Coord& voxel,
+                  const std::optional<Coord>& anchor) {
   Coord whole;
   for (int axis = 0; axis < 3; ++axis) {
-    whole[axis] = static_cast<int>(floorDiv(displacement(seed, octaves, axis, voxel) + 128, 256));
+    const std::int64_t there = anchor ? displacement(seed, octaves, axis, *anchor) : 0;
+    whole[axis] =
+        static_cast<int>(floorDiv(displacement(seed, octaves, axis, voxel) - there + 128, 256));
   }
   return whole;
 }
@@ -107,11 +111,12 @@ Coord walk(const std::set<Coord>& inside, Coord at, const Coord& way) {
 
 // The smooth labels at the ends of the walks, and the seeds' own.
 LabelMap roughReference(const VoxelSolid& solid, const std::vector<Seed>& seeds, std::uint64_t seed,
-                        const NoiseOctaves& octaves) {
+                        const NoiseOctaves& octaves, const std::optional<Coord>& anchor = {}) {
   const auto smooth = reference::nearest(solid, seeds, Metric::euclidean);
   LabelMap expected;
   for (const Coord& voxel : solid.inside) {
-    expected[voxel] = smooth.at(walk(solid.inside, voxel, wholeVoxels(seed, octaves, voxel))).label;
+    expected[voxel] =
+        smooth.at(walk(solid.inside, voxel, wholeVoxels(seed, octaves, voxel, anchor))).label;
   }
   for (const Seed& s : seeds) expected[s.voxel] = s.fragment;
   return expected;
@@ -169,6 +174,29 @@ TEST_F(Rough, EqualsTheReferenceWalk) {
           << solid.name << ", side " << side;
     }
   }
+}
+
+// At an anchor a crack stays where it was, though its relief is tall beside its own height there.
+TEST_F(Rough, StaysAtAnAnchor) {
+  const VoxelSolid box = voxel_shapes::solidWhere("box", 40, [](const Coord& v) {
+    return v.x() >= 0 && v.y() >= 0 && v.z() >= 0 && v.y() < 12 && v.z() < 12;
+  });
+  const std::vector<Seed> seeds{{{3, 6, 6}, 1}, {{36, 6, 6}, 2}};  // a crack before x = 20
+  const Relief relief{.height = 3.0, .hurst = 0.8, .window = 8.0, .longestSide = 64.0};
+  const NoiseOctaves octaves = noiseOctaves(relief);
+  int far = 0;
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    for (const Coord& anchor : {Coord(19, 6, 6), Coord(20, 0, 11), Coord(-70, 3, 5)}) {
+      GrowOptions options = roughOptions(relief, seed);
+      options.noiseAnchors = {anchor};
+      const LabelMap labels = grown(box, seeds, options);
+      EXPECT_EQ(labels, roughReference(box, seeds, seed, octaves, anchor)) << seed << anchor;
+      if (box.inside.count(anchor) == 0) continue;
+      EXPECT_EQ(labels.at(anchor), anchor.x() < 20 ? 1 : 2);
+      far += std::abs(displacement(seed, octaves, 0, anchor)) > 512;
+    }
+  }
+  EXPECT_GT(far, 2);
 }
 
 TEST_F(Rough, EqualsTheReferenceWalkWithTwoExponents) {

@@ -4,14 +4,16 @@
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
+#include <vector>
 
 namespace sherd {
 namespace {
 
 // Returns how many leaves away a walk can end.
-std::uint32_t leavesReached(std::span<const std::int32_t> amplitudes) {
-  std::int64_t longest = 128;  // 1/256 voxel; 128 rounds to the nearest voxel
+std::uint32_t leavesReached(std::span<const std::int32_t> amplitudes, bool isAnchored) {
+  std::int64_t longest = 0;  // 1/256 voxel
   for (const std::int32_t amplitude : amplitudes) longest += std::abs(std::int64_t{amplitude}) + 1;
+  longest = 128 + (isAnchored ? 2 : 1) * longest;  // 128 rounds to the nearest voxel
   return static_cast<std::uint32_t>((longest / 256 + 7) / 8);
 }
 
@@ -41,18 +43,33 @@ LeafSummaries summarizeLeaves(GrowthState& state, const DeviceLabels& labels, st
 }  // namespace
 
 DeviceBuffer roughened(GrowthState& state, const DeviceLabels& labels, const SeedTable& seeds,
-                       std::span<const std::uint64_t> noiseSeeds, const NoiseOctaves& octaves) {
+                       std::span<const std::uint64_t> noiseSeeds,
+                       std::span<const std::optional<openvdb::Coord>> anchors,
+                       const NoiseOctaves& octaves) {
+  std::vector<Int4> anchorVoxels(state.fractures, Int4{0, 0, 0, 0});
+  bool isAnchored = false;
+  for (std::size_t f = 0; f < std::min(anchors.size(), anchorVoxels.size()); ++f) {
+    if (!anchors[f]) continue;
+    anchorVoxels[f] = {anchors[f]->x(), anchors[f]->y(), anchors[f]->z(), 1};
+    isAnchored = true;
+  }
   const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
   const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, octaves.amplitude);
   const DeviceBuffer step = uploadBuffer<std::int64_t>(state.device, octaves.step);
   const DeviceBuffer propagationStep =
       uploadBuffer<std::int64_t>(state.device, octaves.propagationStep);
+  const DeviceBuffer voxels = uploadBuffer<Int4>(state.device, anchorVoxels);
+  const DeviceBuffer anchor = makeBuffer<Int4>(state.device, state.fractures);
+  const auto octaveCount = static_cast<std::int32_t>(octaves.step.size());
+  state.run("rough_at", state.fractures, voxels, state.fractures, noise, step, propagationStep,
+            octaves.propagation, amplitude, octaves.first, octaveCount, anchor);
   const DeviceBuffer out = makeBuffer<std::uint16_t>(state.device, state.voxels());
-  const LeafSummaries leaves = summarizeLeaves(state, labels, leavesReached(octaves.amplitude));
+  const LeafSummaries leaves =
+      summarizeLeaves(state, labels, leavesReached(octaves.amplitude, isAnchored));
   state.run("rough", state.items, state.inside, state.neighbor, state.neighbors27(), state.origin(),
             state.leafCount, state.items, noise, step, propagationStep, octaves.propagation,
-            amplitude, octaves.first, static_cast<std::int32_t>(octaves.step.size()),
-            leaves.uniformRings, leaves.full, labels.owner, labels.tag, labels.second, out);
+            amplitude, octaves.first, octaveCount, anchor, leaves.uniformRings, leaves.full,
+            labels.owner, labels.tag, labels.second, out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
   state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,

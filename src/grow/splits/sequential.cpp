@@ -165,6 +165,7 @@ std::vector<SeededLabels> growSequential(const Solid& solid, SolidWalls& walls,
   for (std::size_t f = 0; f < all.size() && least > 0; ++f) {
     GrowOptions own = options;
     if (f < options.noiseSeeds.size()) own.noiseSeeds = {options.noiseSeeds[f]};
+    if (f < options.noiseAnchors.size()) own.noiseAnchors = {options.noiseAnchors[f]};
     std::uint64_t smallest = smallestOf(all[f].labels);
     bool isAbove = areAbove[f];
     for (int attempt = 1; smallest < least || !isAbove; ++attempt) {

@@ -14,12 +14,12 @@
 #include <utility>
 #include <vector>
 
-#include "../exact_checks.h"
-#include "../mesh_checks.h"
-#include "../shapes.h"
 #include "base/union_find.h"
 #include "cli/evaluate/cgal_checks.h"
+#include "exact_checks.h"
 #include "intersect/crossing_point.h"
+#include "mesh_checks.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cstdlib>
 
-#include "../shapes.h"
 #include "cli/evaluate/cgal_checks.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <vector>
 
-#include "../shapes.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

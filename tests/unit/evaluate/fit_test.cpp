@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "../shapes.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

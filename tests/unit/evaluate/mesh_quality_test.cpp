@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-#include "../shapes.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

@@ -15,11 +15,11 @@
 #include <set>
 #include <vector>
 
-#include "../shapes.h"
 #include "evaluate/crack_faces.h"
 #include "mesh/largest_axis.h"
 #include "mesh/plane_moments.h"
 #include "mesh/symmetric_eigen.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

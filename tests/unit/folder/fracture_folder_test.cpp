@@ -8,10 +8,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "../temp_folder.h"
 #include "base/files/unfinished.h"
 #include "folder/manifest/partial_folder.h"
 #include "folder/manifest/read_manifest.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {

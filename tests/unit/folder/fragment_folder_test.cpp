@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <fstream>
 
-#include "../shapes.h"
-#include "../temp_folder.h"
 #include "base/text/natural_order.h"
+#include "shapes.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {

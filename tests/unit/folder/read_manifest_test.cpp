@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "../temp_folder.h"
+#include "temp_folder.h"
 
 namespace sherd {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "../shapes.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

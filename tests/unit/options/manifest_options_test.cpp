@@ -139,8 +139,8 @@ TEST_F(ManifestOptions, OfSizesAndEnergiesAreRecorded) {
 
 TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   auto& [growth, neighborhood, metric, anisotropy, split, roughness, hurst, roughnessWindow,
-         propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, walls,
-         keepCost, outerSteps, tuning] = options_.grow;
+         propagationHurst, propagation, longestSideVoxels, regrowIsolated, noiseSeeds, noiseAnchors,
+         walls, keepCost, outerSteps, tuning] = options_.grow;
   expectRecorded("growth", growth, Growth::nearest);
   expectRecorded("material", options_.material, MaterialPreset::stone);
   expectRecorded("roughness", roughness, Length(2.0));
@@ -164,6 +164,7 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
   expectRecorded("direction", direction, {1.0, 0.0, 0.0});
   // Made from the fracture's seed or solid, beside the labels, or how fast they come.
   expectNotRecorded("noiseSeeds", noiseSeeds, {7});
+  expectNotRecorded("noiseAnchors", noiseAnchors, {openvdb::Coord(1, 2, 3)});
   expectNotRecorded("longestSideVoxels", longestSideVoxels, 9.0);
   expectNotRecorded("keepCost", keepCost, true);
   auto& [stepsPerReadback, workGroupSize, warmUp] = tuning;

@@ -15,9 +15,9 @@
 #include <set>
 #include <vector>
 
-#include "../shapes.h"
 #include "base/half_float.h"
 #include "mesh/search/nearest_on_triangle.h"
+#include "shapes.h"
 
 namespace sherd {
 namespace {

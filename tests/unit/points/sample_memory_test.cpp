@@ -14,7 +14,6 @@
 #include <thread>
 #include <vector>
 
-#include "../shapes.h"
 #include "base/memory_gate.h"
 #include "folder/files/write_memory.h"
 #include "folder/files/write_points.h"
@@ -22,6 +21,7 @@
 #include "points/contact_sequence.h"
 #include "points/distance_sequence.h"
 #include "points/point_sequence.h"
+#include "shapes.h"
 #include "temp_folder.h"
 
 namespace sherd {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sherd/fracture.h>
+#include <sherd/growth.h>
 
 #include <algorithm>
 #include <array>
