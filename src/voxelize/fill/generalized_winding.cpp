@@ -29,7 +29,7 @@ TriangleMesh onLattice(TriangleMesh caps, const Box& box) {
   }
   return caps;
 }
-constexpr glm::dvec3 kTie(1e-10, 1e-11, 1e-9);
+constexpr glm::dvec3 kTie(1e-10, 1e-11, Winding::kTieAlongZ);
 
 // Returns how far centers are moved from which steps go to points.  The columns snap vertices along
 // x and y, and break ties as kTie does; steps know the vertices as they are.  A vertex within half

@@ -65,7 +65,8 @@ void scan(std::array<Snapped, 3> t, int bits, Hit&& hit) {
       const double z = (static_cast<double>(a) * t[0].z + static_cast<double>(b) * t[1].z +
                         static_cast<double>(c) * t[2].z) /
                        static_cast<double>(doubleArea);
-      hit(static_cast<int>(x), static_cast<int>(y), static_cast<std::int32_t>(std::ceil(z)), up);
+      hit(static_cast<int>(x), static_cast<int>(y),
+          static_cast<std::int32_t>(std::ceil(z - Winding::kTieAlongZ)), up);
     }
   }
 }

@@ -31,6 +31,10 @@ class Winding {
   explicit Winding(const TriangleMesh& mesh, Rule rule = Rule::signedCrossings,
                    const Progress* progress = nullptr);
 
+  /// A face at most so many voxels above a center counts as below it: faces are often at centers,
+  /// up to rounding.
+  static constexpr double kTieAlongZ = 1e-9;
+
   /// The lattice that vertices are snapped to has steps of 2^-bits voxels.
   static int latticeBits(const Box& box);
 

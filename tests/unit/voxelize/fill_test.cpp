@@ -687,6 +687,31 @@ TEST(Fill, BodiesThatCrossMayHaveFacesAtTheCentersOfVoxels) {
   }
 }
 
+// The same faces, which rounding puts above or below the centers where the size of voxels is no
+// power of two.
+TEST(Fill, FacesAtCentersUpToRoundingAreOnOneSide) {
+  const auto boxFrom = [](const glm::dvec3& low, const glm::dvec3& high) {
+    return shapes::transformed(shapes::box(high - low), 1.0, (low + high) / 2.0);
+  };
+  for (const int resolution : {24, 28, 36, 48, 72}) {
+    const double unit = 1.0 / resolution;
+    for (const double top : {3.5, 10.5, 11.5}) {
+      const TriangleMesh low = boxFrom({0, 0, 0}, unit * glm::dvec3(resolution, 20, top));
+      const TriangleMesh high =
+          boxFrom(unit * glm::dvec3(3, 9, 1.5), unit * glm::dvec3(7, 17, 15.5));
+      const Solid solid =
+          voxelize(shapes::append(low, high), {.resolution = resolution, .keepMesh = false});
+      const double common = 4.0 * 8.0 * (top - 1.5);
+      const double exact = resolution * 20.0 * top + 4.0 * 8.0 * 14.0 - common;
+      const double scale = std::pow(solid.frame.voxelSize / unit, 3);
+      // Half a layer of voxels on two faces each way.
+      EXPECT_NEAR(static_cast<double>(solid.voxels) * scale, exact,
+                  0.51 * resolution * 20.0 + 0.51 * 2.0 * 32.0)
+          << resolution << " " << top;
+    }
+  }
+}
+
 // ---- Shells
 
 TEST(Fill, ASheetThatEnclosesNothingBecomesAShell) {
