@@ -375,6 +375,9 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
     result.labels = std::move(labels);
     result.eroded.assign(fragments + 1, 0);
   }
+  grown.least = options.shares.minShare == kAutoShare
+                    ? leastVoxelsOf(result.solid.voxels, fragments)
+                    : leastVoxels(options.shares, result.solid.voxels);
   const std::size_t small = dropSmall(grown, options.dropShare);
   result.withheld = small + withheldCount(options.missing, fragments - small);
   result.times = clock.times();
@@ -489,8 +492,8 @@ void settle(GrownFracture& grown, const SurfaceOptions& options, const Progress*
     grown.exact = exactMeshes(result.solid, result.labels, uneroded, neighborhoods,
                               options.adaptivity, progress);
   } else {
-    grown.exact = settledExactMeshes(result.solid, result.labels, uneroded, neighborhoods,
-                                     options.adaptivity, progress);
+    grown.exact = settledExactMeshes(result.solid, result.labels, uneroded, grown.least,
+                                     neighborhoods, options.adaptivity, progress);
   }
   grown.isSettled = true;
 }

@@ -64,6 +64,7 @@ struct GrownFracture {
   std::shared_ptr<const IntactSurface> surface{};
   std::optional<ExactSurface> exact{};  ///< of refracture or settle(), with Surface::exact
   bool isSettled = false;               ///< the labels are final
+  std::uint64_t least = 1;              ///< voxels of a fragment, as its options ask
   std::uint64_t seed = 0;               ///< of the fracture
 
   [[nodiscard]] const Labels* unerodedOrNull() const { return uneroded ? &*uneroded : nullptr; }

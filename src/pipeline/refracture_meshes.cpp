@@ -254,8 +254,8 @@ void cutAgain(const FinishedFracture& finished, BrokenFragment& broken, double a
   solid.report.defects.components = meshComponents(mesh->mesh).count;
   solid.mesh = std::move(mesh);
   const std::vector<LeafNeighbors> neighborhoods = leafNeighbors(solid.blocks->origins);
-  broken.surface =
-      settledExactMeshes(solid, broken.labels, nullptr, neighborhoods, adaptivity, progress);
+  broken.surface = settledExactMeshes(solid, broken.labels, nullptr, kSmallComponentVoxels,
+                                      neighborhoods, adaptivity, progress);
 }
 
 ExactSurface exactMeshesAgain(const FinishedFracture& finished, std::span<BrokenFragment> broken,

@@ -6,12 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "erode/largest_part.h"
-#include "erode/masks.h"
+#include "base/cancel_flag.h"
+#include "base/union_find.h"
 #include "mesh/search/triangle_tree.h"
 #include "surface/exact/exact_meshes.h"
 #include "voxelize/distance.h"
@@ -71,67 +72,146 @@ std::vector<std::size_t> lostVoxels(const Solid& solid, const Labels& labels,
   return found;
 }
 
-// Gives what a fragment has left beside its largest part, and its labels of the exterior band near
-// the voxels that it lost, to the fragments beside them.
-void tidy(const Solid& solid, Labels& labels, const MovedBody& moved, std::set<int>& changed,
-          const Progress* progress) {
-  const LeafBlocks& blocks = *labels.blocks;
-  const FragmentMasks own = fragmentMasks(labels)[moved.from - 1u];
-  const LargestPart largest = largestPart(own);
-  std::vector<std::size_t> open;
-  for (std::size_t i = 0; i < own.leaf.size(); ++i) {
-    for (std::size_t bit = 0; bit < 512; ++bit) {
-      const std::uint64_t left = own.masks[i][bit / 64] & ~largest.masks[i][bit / 64];
-      if ((left >> bit % 64 & 1) != 0) open.push_back(std::size_t{own.leaf[i]} * 512 + bit);
+// Labels that change where moved bodies' voxels go with them.
+class Following {
+ public:
+  Following(const Solid& solid, Labels& labels, std::uint64_t least, const Progress* progress)
+      : solid_(solid),
+        blocks_(*labels.blocks),
+        labels_(labels),
+        least_(least),
+        progress_(progress) {}
+
+  // Gives a body's voxels to the fragment that has it now.  Returns whether it did: where a
+  // fragment would fall apart or be too small, nothing changes.
+  bool follow(const MovedBody& moved) {
+    const std::vector<std::size_t> lost = lostVoxels(solid_, labels_, moved);
+    if (lost.size() < kSmallComponentVoxels) return false;
+    changed_.clear();
+    (void)voxelsOf(moved.from);  // before they change
+    (void)voxelsOf(moved.to);
+    for (const std::size_t voxel : lost) set(voxel, moved.to);
+    tidy(moved);
+    std::set<std::uint16_t> touched{moved.from, moved.to};
+    for (const auto& [voxel, before] : changed_) {
+      if (blocks_.isInside(voxel)) touched.insert(labels_.fragment[voxel]);
+    }
+    for (const std::uint16_t id : touched) gather(id);
+    const bool isSound = std::all_of(touched.begin(), touched.end(), [&](std::uint16_t id) {
+      const std::vector<std::size_t>& own = voxelsOf(id);
+      return own.size() >= (id == moved.from ? least_ : 1) && parts(own).size() == 1;
+    });
+    if (isSound) return true;
+    for (auto at = changed_.rbegin(); at != changed_.rend(); ++at)
+      labels_.fragment[at->first] = at->second;
+    for (const std::uint16_t id : touched) gather(id);
+    return false;
+  }
+
+ private:
+  // Returns the inside voxels of a fragment, ascending.
+  std::vector<std::size_t>& voxelsOf(std::uint16_t id) {
+    const auto [at, isNew] = voxels_.try_emplace(id);
+    if (isNew) {
+      blocks_.forEachInside([&](std::size_t voxel) {
+        if (labels_.fragment[voxel] == id) at->second.push_back(voxel);
+      });
+    }
+    return at->second;
+  }
+
+  void set(std::size_t voxel, std::uint16_t id) {
+    changed_.emplace_back(voxel, labels_.fragment[voxel]);
+    labels_.fragment[voxel] = id;
+  }
+
+  // Sets the voxels of a fragment anew, among those that it and the changed ones are.
+  void gather(std::uint16_t id) {
+    std::vector<std::size_t>& own = voxelsOf(id);
+    for (const auto& [voxel, before] : changed_) {
+      if (blocks_.isInside(voxel)) own.push_back(voxel);
+    }
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    std::erase_if(own, [&](std::size_t voxel) { return labels_.fragment[voxel] != id; });
+  }
+
+  // Returns the 6-connected parts of voxels, which are ascending, the largest first.
+  std::vector<std::vector<std::size_t>> parts(const std::vector<std::size_t>& voxels) const {
+    UnionFind sets(voxels.size());
+    for (std::uint32_t i = 0; i < voxels.size(); ++i) {
+      for (const std::size_t axis : {0u, 1u, 2u}) {
+        const std::size_t behind = voxelBehind(blocks_, voxels[i], axis);
+        if (behind == kNoVoxel) continue;
+        const auto found = std::lower_bound(voxels.begin(), voxels.end(), behind);
+        if (found == voxels.end() || *found != behind) continue;
+        sets.unite(i, static_cast<std::uint32_t>(found - voxels.begin()));
+      }
+    }
+    std::map<std::uint32_t, std::vector<std::size_t>> byName;
+    const std::vector<std::uint32_t> names = std::move(sets).all();
+    for (std::size_t i = 0; i < voxels.size(); ++i) byName[names[i]].push_back(voxels[i]);
+    std::vector<std::vector<std::size_t>> all;
+    for (auto& [name, own] : byName) all.push_back(std::move(own));
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    return all;
+  }
+
+  // Gives what a fragment has left beside its largest part, and its labels of the exterior band
+  // near the voxels that it lost, to the fragments beside them.
+  void tidy(const MovedBody& moved) {
+    gather(moved.from);
+    std::vector<std::size_t> open;
+    const std::vector<std::vector<std::size_t>> all = parts(voxelsOf(moved.from));
+    for (std::size_t i = 1; i < all.size(); ++i)
+      open.insert(open.end(), all[i].begin(), all[i].end());
+    openvdb::math::CoordBBox around = voxelsWithin(solid_, moved.body);
+    around.expand(kBandReach);
+    forEachVoxel(blocks_, around, [&](std::size_t voxel, const openvdb::Coord&) {
+      if (!blocks_.isInside(voxel) && labels_.fragment[voxel] == moved.from) open.push_back(voxel);
+    });
+    for (const std::size_t voxel : open) set(voxel, 0);
+    for (const std::size_t voxel : spread(blocks_, std::move(open), labels_.fragment, progress_)) {
+      labels_.fragment[voxel] = moved.from;
     }
   }
-  const std::size_t inside = open.size();
-  openvdb::math::CoordBBox around = voxelsWithin(solid, moved.body);
-  around.expand(kBandReach);
-  forEachVoxel(blocks, around, [&](std::size_t voxel, const openvdb::Coord&) {
-    if (!blocks.isInside(voxel) && labels.fragment[voxel] == moved.from) open.push_back(voxel);
-  });
-  for (const std::size_t voxel : open) labels.fragment[voxel] = 0;
-  const std::vector<std::size_t> given(open.begin(),
-                                       open.begin() + static_cast<std::ptrdiff_t>(inside));
-  for (const std::size_t voxel : spread(blocks, std::move(open), labels.fragment, progress)) {
-    labels.fragment[voxel] = moved.from;
-  }
-  for (const std::size_t voxel : given) changed.insert(labels.fragment[voxel]);
-}
+
+  const Solid& solid_;
+  const LeafBlocks& blocks_;
+  Labels& labels_;
+  const std::uint64_t least_;
+  const Progress* const progress_;
+  std::map<std::uint16_t, std::vector<std::size_t>> voxels_;    // of fragments that were asked for
+  std::vector<std::pair<std::size_t, std::uint16_t>> changed_;  // with their labels before
+};
 
 // Gives the voxels of moved bodies to the fragments that have these now.  Returns whether any were.
-bool follow(const Solid& solid, Labels& labels, const std::vector<MovedBody>& all,
-            const Progress* progress) {
-  Labels moved = labels;
-  std::set<int> changed;
-  for (const MovedBody& one : all) {
-    const std::vector<std::size_t> voxels = lostVoxels(solid, moved, one);
-    if (voxels.size() < kSmallComponentVoxels) continue;
-    for (const std::size_t voxel : voxels) moved.fragment[voxel] = one.to;
-    changed.insert({one.from, one.to});
-    tidy(solid, moved, one, changed, progress);
+bool follow(const Solid& solid, Labels& labels, std::uint64_t least,
+            const std::vector<MovedBody>& all, const Progress* progress) {
+  if (std::none_of(all.begin(), all.end(),
+                   [&](const MovedBody& one) { return !lostVoxels(solid, labels, one).empty(); })) {
+    return false;
   }
-  if (changed.empty()) return false;
-  const std::vector<FragmentMasks> masks = fragmentMasks(moved);
-  const bool areWhole = std::all_of(changed.begin(), changed.end(), [&](int id) {
-    const FragmentMasks& own = masks[static_cast<std::size_t>(id) - 1];
-    return largestPart(own).voxels == voxelsOf(own.masks) && !own.masks.empty();
-  });
-  if (areWhole) labels = std::move(moved);
-  return areWhole;
+  Following following(solid, labels, least, progress);
+  bool isAny = false;
+  for (const MovedBody& one : all) {
+    throwIfCancelled(progress);
+    isAny = following.follow(one) || isAny;
+  }
+  return isAny;
 }
 
 }  // namespace
 
 ExactSurface settledExactMeshes(const Solid& solid, Labels& labels, const Labels* uneroded,
-                                std::span<const LeafNeighbors> neighborhoods, double adaptivity,
-                                const Progress* progress) {
+                                std::uint64_t least, std::span<const LeafNeighbors> neighborhoods,
+                                double adaptivity, const Progress* progress) {
   for (int round = 0;; ++round) {
     ExactSurface surface =
         exactMeshes(solid, labels, uneroded, neighborhoods, adaptivity, progress);
     const bool isFinal = !surface.failure.empty() || uneroded != nullptr || round == kMostRounds;
-    if (isFinal || !follow(solid, labels, surface.moved, progress)) return surface;
+    if (isFinal || !follow(solid, labels, least, surface.moved, progress)) return surface;
   }
 }
 
