@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
+#include <iterator>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -88,23 +88,14 @@ class Following {
     const std::vector<std::size_t> lost = lostVoxels(solid_, labels_, moved);
     if (lost.size() < kSmallComponentVoxels) return false;
     changed_.clear();
-    (void)voxelsOf(moved.from);  // before they change
-    (void)voxelsOf(moved.to);
+    std::vector<std::size_t>& left = voxelsOf(moved.from);
+    const std::vector<std::size_t> before = left;
     for (const std::size_t voxel : lost) set(voxel, moved.to);
-    tidy(moved);
-    std::set<std::uint16_t> touched{moved.from, moved.to};
-    for (const auto& [voxel, before] : changed_) {
-      if (blocks_.isInside(voxel)) touched.insert(labels_.fragment[voxel]);
-    }
-    for (const std::uint16_t id : touched) gather(id);
-    const bool isSound = std::all_of(touched.begin(), touched.end(), [&](std::uint16_t id) {
-      const std::vector<std::size_t>& own = voxelsOf(id);
-      return own.size() >= (id == moved.from ? least_ : 1) && parts(own).size() == 1;
-    });
-    if (isSound) return true;
+    tidy(moved, left);
+    if (!left.empty() && left.size() >= least_ && areGainsConnected()) return true;
     for (auto at = changed_.rbegin(); at != changed_.rend(); ++at)
       labels_.fragment[at->first] = at->second;
-    for (const std::uint16_t id : touched) gather(id);
+    left = before;
     return false;
   }
 
@@ -125,15 +116,34 @@ class Following {
     labels_.fragment[voxel] = id;
   }
 
-  // Sets the voxels of a fragment anew, among those that it and the changed ones are.
-  void gather(std::uint16_t id) {
-    std::vector<std::size_t>& own = voxelsOf(id);
+  // Whether all that fragments got touches what they had.
+  bool areGainsConnected() {
+    std::map<std::uint16_t, std::vector<std::size_t>> gained, joined;
     for (const auto& [voxel, before] : changed_) {
-      if (blocks_.isInside(voxel)) own.push_back(voxel);
+      if (blocks_.isInside(voxel)) gained[labels_.fragment[voxel]].push_back(voxel);
     }
-    std::sort(own.begin(), own.end());
-    own.erase(std::unique(own.begin(), own.end()), own.end());
-    std::erase_if(own, [&](std::size_t voxel) { return labels_.fragment[voxel] != id; });
+    for (auto& [id, own] : gained) {
+      std::sort(own.begin(), own.end());
+      own.erase(std::unique(own.begin(), own.end()), own.end());
+      const auto touches = [&, id = id, &own = own](std::size_t voxel) {
+        for (std::size_t side = 0; side < 6; ++side) {
+          const std::size_t beside = voxelBeside(blocks_, voxel, side);
+          if (beside == kNoVoxel || !blocks_.isInside(beside)) continue;
+          if (labels_.fragment[beside] != id) continue;
+          if (!std::binary_search(own.begin(), own.end(), beside)) return true;
+        }
+        return false;
+      };
+      for (const std::vector<std::size_t>& part : parts(own)) {
+        if (std::none_of(part.begin(), part.end(), touches)) return false;
+      }
+      if (const auto known = voxels_.find(id); known != voxels_.end()) {
+        std::set_union(known->second.begin(), known->second.end(), own.begin(), own.end(),
+                       std::back_inserter(joined[id]));
+      }
+    }
+    for (auto& [id, all] : joined) voxels_[id] = std::move(all);
+    return true;
   }
 
   // Returns the 6-connected parts of voxels, which are ascending, the largest first.
@@ -160,12 +170,14 @@ class Following {
 
   // Gives what a fragment has left beside its largest part, and its labels of the exterior band
   // near the voxels that it lost, to the fragments beside them.
-  void tidy(const MovedBody& moved) {
-    gather(moved.from);
+  //   left  the fragment's voxels, changed
+  void tidy(const MovedBody& moved, std::vector<std::size_t>& left) {
+    std::erase_if(left, [&](std::size_t voxel) { return labels_.fragment[voxel] != moved.from; });
+    std::vector<std::vector<std::size_t>> all = parts(left);
     std::vector<std::size_t> open;
-    const std::vector<std::vector<std::size_t>> all = parts(voxelsOf(moved.from));
     for (std::size_t i = 1; i < all.size(); ++i)
       open.insert(open.end(), all[i].begin(), all[i].end());
+    left = all.empty() ? std::vector<std::size_t>() : std::move(all.front());
     openvdb::math::CoordBBox around = voxelsWithin(solid_, moved.body);
     around.expand(kBandReach);
     forEachVoxel(blocks_, around, [&](std::size_t voxel, const openvdb::Coord&) {

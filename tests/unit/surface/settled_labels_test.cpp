@@ -5,7 +5,9 @@
 #include <sherd/fracture.h>
 #include <sherd/solid.h>
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <set>
 #include <vector>
@@ -70,6 +72,46 @@ TEST(SettledLabels, GoWithTheBodiesThatAFragmentLoses) {
   expectAgree(result);
   // The end of one prong went to the handle.
   EXPECT_NEAR(result.fragments[1].mass.volume, 0.98 * 2.0, 0.05);
+}
+
+// Ten teeth with slots of half a voxel: many fragments lose a tooth or get one.
+TEST(SettledLabels, OfACombGoToothByTooth) {
+  Device device("builtin");
+  TriangleMesh comb = barFrom({0.0, 0.0, 0.0}, {10.0, 1.0, 1.0});
+  for (int tooth = 0; tooth < 10; ++tooth)
+    comb = shapes::append(comb, barFrom({tooth + 0.05, 0.5, 0.0}, {tooth + 0.95, 5.0, 1.0}));
+  for (const std::uint64_t seed : {0u, 1u, 2u}) {
+    FractureOptions options;
+    options.pieces = 8;
+    options.seed = seed;
+    options.solid.resolution = 50;
+    options.surface = {.levelSets = false, .surface = Surface::exact};
+    const FractureResult result = fracture(comb, options, device);
+    ASSERT_EQ(result.exactFailure, "");
+    for (const Fragment& fragment : result.fragments) {
+      const double ofVoxels =
+          static_cast<double>(fragment.voxels) * std::pow(result.solid.frame.voxelSize, 3);
+      EXPECT_GT(fragment.mass.volume, 0.75 * ofVoxels) << seed << ", " << fragment.id;
+      EXPECT_LT(fragment.mass.volume, 1.1 * ofVoxels) << seed << ", " << fragment.id;
+    }
+  }
+}
+
+TEST(SettledLabels, KeepTheLeastShare) {
+  Device device("builtin");
+  FractureOptions options;
+  options.pieces = 2;
+  options.solid.resolution = 40;
+  options.shares.minShare = 0.42;
+  options.surface = {.levelSets = false, .surface = Surface::exact};
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    options.seed = seed;
+    const FractureResult result = fracture(fork(), options, device);
+    for (const Fragment& fragment : result.fragments) {
+      EXPECT_GE(static_cast<double>(fragment.voxels),
+                0.42 * static_cast<double>(result.solid.voxels));
+    }
+  }
 }
 
 TEST(SettledLabels, AreThoseOfFragmentsThatAreBrokenAgain) {
