@@ -247,6 +247,17 @@ TEST_F(Read3mf, RefusesObjectsThatMultiplyWithoutMeasure) {
   }
 }
 
+TEST_F(Read3mf, RefusesTagsOfMoreThanAThousandAttributes) {
+  const auto item = [](std::size_t attributes) {
+    std::string text = R"(<item objectid="1")";
+    for (std::size_t i = 1; i < attributes; ++i) text += R"( a="")";
+    return package(model(object(""), text + "/>"));
+  };
+  expectSameSurface(MeshFolder::read("a.3mf", item(1000)).mesh, tetrahedron());
+  EXPECT_EQ(refusal("b.3mf", item(1001)),
+            "b.3mf: its model '3d/part.model' has a tag of more than 1000 attributes");
+}
+
 TEST_F(Read3mf, EveryPrefixOfAModelIsRefused) {
   const std::string whole = model(kMaterials + object(R"(pid="8" pindex="0")", {R"(p1="1")"}));
   const std::size_t end = whole.rfind("</model>") + std::string("</model>").size();
