@@ -19,9 +19,9 @@ constexpr std::uint64_t kTableEntry =
 }  // namespace
 
 Package3mf::Package3mf(const MeshFile& file)
-    : file_(file), entries_(zipEntries(file.bytes, file.name)) {
+    : file_(file), entries_(zipEntries(file.bytes, file.name, file.memory)) {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    charge(file_, sizeof(ZipEntry) + kTableEntry + 2 * entries_[i].name.size());
+    charge(file_, kTableEntry + entries_[i].name.size());
     entryOf_.emplace(partName3mf(entries_[i].name), i);
   }
 }

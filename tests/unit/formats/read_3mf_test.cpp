@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory_budget.h"
+#include "formats/arrays/zip_reader.h"
 #include "unit/formats/mesh_folder.h"
 
 namespace sherd {
@@ -337,6 +339,16 @@ TEST_F(Read3mf, MaterialsOfTwoModelsWithTheSameIdsAreTwo) {
   EXPECT_EQ(source.appearance.materials[1].name, "b");
   EXPECT_EQ(source.mesh.attributes.material,
             (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0}));
+}
+
+TEST_F(Read3mf, EntriesOfThePackageAreCharged) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (int i = 0; i < 10'000; ++i) files.emplace_back("f" + std::to_string(i), "");
+  const std::string bytes = zip(files);
+  MemoryBudget little("a.3mf", files.size() * sizeof(ZipEntry));
+  EXPECT_THROW((void)zipEntries(bytes, "a.3mf", &little), Error);
+  MemoryBudget enough("a.3mf", 10'000'000);
+  EXPECT_EQ(zipEntries(bytes, "a.3mf", &enough).size(), files.size());
 }
 
 TEST_F(Read3mf, TakesTheFirstModelThatIsThereOfManyRelationships) {
