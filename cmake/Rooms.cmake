@@ -85,7 +85,7 @@ sherd_room(sherd formats/gltf
 sherd_room(sherd formats/usd usd usd_material usd_mesh usd_text)
 sherd_room(sherd formats/geo geo geo_text)
 sherd_room(sherd formats/mesh_files
-  assimp_fault binm mesh_file model_3mf read_3mf read_assimp read_binm read_lines read_mesh read_off read_stl stated_coordinates
+  assimp_fault binm mesh_file model_3mf package_3mf read_3mf read_assimp read_binm read_lines read_mesh read_off read_stl stated_coordinates
   stl write_mesh xml_tags)
 sherd_room(sherd formats/voxels
   bing encode_runs magica_voxel_read magica_voxel_write npy_labels quad_stack read_vdb read_volume rle vdb vdb_structure vdb_tree

@@ -75,6 +75,30 @@ def npz(name, kind, shape, block, blocks):
     return out.getvalue()
 
 
+MODEL_3MF = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+FAR = ' transform="1e308 0 0 0 1e308 0 0 0 1e308 0 0 0"'  # its solid has no finite triangle, so that it is refused after all else was read
+
+
+def solid_3mf(attributes=""):
+    corners = [(x, y, z) for x in (-10, 10) for y in (-10, 10) for z in (-10, 10)]
+    faces = ((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3))
+    return (f'<object id="1" {attributes}><mesh><vertices>' + "".join('<vertex x="%d" y="%d" z="%d"/>' % corner for corner in corners)
+            + "</vertices><triangles>" + "".join('<triangle v1="%d" v2="%d" v3="%d"/>' % face for face in faces)
+            + "</triangles></mesh></object>")
+
+
+def model_3mf(resources, items=f'<item objectid="1"{FAR}/>'):
+    return f'<model unit="millimeter"><resources>{resources}</resources><build>{items}</build></model>'
+
+
+def package_3mf(model, name="3D/a.model"):
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("_rels/.rels", f'<Relationships><Relationship Target="/{name}" Type="{MODEL_3MF}"/></Relationships>')
+        archive.writestr(name, model)
+    return out.getvalue()
+
+
 def block(folder):
     corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     quads = (0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)
@@ -197,6 +221,21 @@ class HostileMemoryTest(unittest.TestCase):
 
     def test_names(self):
         self.refused_for_memory("a.glb", names())
+
+    def test_names_of_3mf(self):
+        """A name of 200 kB shown 10,000 times."""
+        nested = "".join(f'<object id="{k}"><components>' + f'<component objectid="{k - 1}"/>' * 10 + "</components></object>" for k in range(2, 6))
+        name = "n" * 200_000
+        said = self.refused("a.3mf", package_3mf(model_3mf(solid_3mf(f'name="{name}"') + nested, f'<item objectid="5"{FAR}/>')))
+        self.assertIn("vertices are not finite", said)
+
+    def test_materials_of_3mf(self):
+        """20,000 materials of a part whose name has 60 kB."""
+        count = 20_000
+        bases = '<basematerials id="8">' + '<base name="b" displaycolor="#010203"/>' * count + "</basematerials>"
+        more = "".join(f'<triangle v1="0" v2="1" v3="3" pid="8" p1="{i}"/>' for i in range(count))
+        model = model_3mf(bases + solid_3mf().replace("</triangles>", more + "</triangles>"))
+        self.assertIn("vertices are not finite", self.refused("a.3mf", package_3mf(model, "3D/" + "x" * 60_000 + ".model")))
 
     def test_packed_zeros(self):
         self.refused_for_memory("a.obj.gz", zeros())

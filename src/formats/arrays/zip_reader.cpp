@@ -93,9 +93,11 @@ void widen(std::string_view extra, std::initializer_list<std::uint64_t*> values,
 
 }  // namespace
 
-std::vector<ZipEntry> zipEntries(std::string_view file, const std::string& name) {
+std::vector<ZipEntry> zipEntries(std::string_view file, const std::string& name,
+                                 MemoryBudget* memory) {
   const Directory directory = findDirectory(file, name);
   std::vector<ZipEntry> entries;
+  GrowingMemory growing(memory);
   std::uint64_t at = directory.offset;
   for (std::uint64_t i = 0; i < directory.entries; ++i) {
     const Record head(file, at, kEntryBytes, name);
@@ -106,6 +108,8 @@ std::vector<ZipEntry> zipEntries(std::string_view file, const std::string& name)
     at += kEntryBytes + nameBytes + extra + comment;
 
     ZipEntry entry;
+    growing.hold((i + 1) * sizeof(ZipEntry));
+    if (memory != nullptr) memory->charge(nameBytes);
     entry.name = rest.text().substr(0, nameBytes);
     entry.method = head.at<std::uint16_t>(10);
     if ((head.at<std::uint16_t>(8) & 1) != 0)

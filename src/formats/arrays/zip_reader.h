@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/memory_budget.h"
+
 namespace sherd {
 
 /// One file of a ZIP file.
@@ -20,8 +22,10 @@ struct ZipEntry {
 
 /// Returns the files in a ZIP file's central directory; supports ZIP64.
 ///   name    for messages
-///   throws  Error(input) no ZIP file, cut, inconsistent
-[[nodiscard]] std::vector<ZipEntry> zipEntries(std::string_view bytes, const std::string& name);
+///   memory  charged with the entries; null: no limit
+///   throws  Error(input) no ZIP file, cut, inconsistent; more than `memory` allows
+[[nodiscard]] std::vector<ZipEntry> zipEntries(std::string_view bytes, const std::string& name,
+                                               MemoryBudget* memory = nullptr);
 
 /// Unpacks an entry block by block into `take`.
 ///   throws  Error(input) another compression method; a length or CRC-32 that does not match

@@ -7,13 +7,15 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/text/lower_case.h"
 #include "base/text/text_scan.h"
 #include "formats/mesh_files/xml_tags.h"
 
 namespace sherd {
 namespace {
 
-constexpr std::size_t kAtATime = 4096;  // tags between two checks
+constexpr std::size_t kAtATime = 4096;                  // tags between two checks
+constexpr std::uint64_t kTreeNode = 6 * sizeof(void*);  // of a std::map, besides its value
 constexpr std::array<std::string_view, 5> kGroups{"colorgroup", "basematerials", "texture2dgroup",
                                                   "compositematerials", "multiproperties"};
 
@@ -82,14 +84,42 @@ class Parser {
     return out;
   }
 
-  Reference3mf reference() const {
-    return {whole("objectid"), xmlDecoded(tag_.ofAnyPrefix("path")), transform()};
+  Reference3mf reference() { return {whole("objectid"), path(), transform()}; }
+
+  // Paths are kept once: they may be as long as those of a ZIP file, and as many as components.
+  std::uint32_t path() {
+    const std::string_view text = tag_.ofAnyPrefix("path");
+    if (text.empty()) return Reference3mf::kSameModel;
+    const auto [known, isNew] = paths_.try_emplace(decodedPartName3mf(text),
+                                                   static_cast<std::uint32_t>(model_.paths.size()));
+    if (isNew) {
+      charge(file_, 2 * known->first.size() + sizeof(*known) + 3 * sizeof(std::string) +
+                        4 * sizeof(void*));
+      model_.paths.push_back(known->first);
+    }
+    return known->second;
+  }
+
+  // Objects are shown many times, each with its name.
+  std::string decodedName() {
+    constexpr std::size_t kLongestEntity = 10;
+    const std::string_view text = tag_["name"];
+    std::string out = xmlDecoded(text.substr(0, kLongestEntity * (kLongestName3mf + 1)));
+    if (out.size() > kLongestName3mf) {
+      std::size_t end = kLongestName3mf;
+      while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xc0U) == 0x80U) --end;
+      out.resize(end);
+      out.shrink_to_fit();
+      model_.hasCutNames = true;
+    }
+    return out;
   }
 
   void open() {
     const std::string_view name = tag_.name;
     if (name == "model") {
-      model_.unit = std::string(trimmed(tag_["unit"]));
+      constexpr std::size_t kLongestUnit = 40;  // above that of any unit
+      model_.unit = std::string(trimmed(tag_["unit"]).substr(0, kLongestUnit));
       if (tag_.isEmpty) hasEnd_ = true;
     } else if (name == "object") {
       openObject();
@@ -107,6 +137,7 @@ class Parser {
       model_.items.push_back(reference());
       hold();
     } else if (std::find(kGroups.begin(), kGroups.end(), name) != kGroups.end()) {
+      charge(file_, kTreeNode + sizeof(Group3mf));
       group_ = &model_.groups[whole("id")];
       *group_ = {std::string(name), {}, {}};
       if (tag_.isEmpty) group_ = nullptr;
@@ -122,10 +153,12 @@ class Parser {
   }
 
   void openObject() {
+    charge(file_, kTreeNode + sizeof(Object3mf));
     Object3mf& object = model_.objects[whole("id")];
     if (!object.vertices.empty() || !object.components.empty())
       throw bad("has two objects of the id " + std::string(tag_["id"]));
-    object.name = xmlDecoded(tag_["name"]);
+    object.name = decodedName();
+    charge(file_, object.name.capacity());
     own_ = {};
     if (tag_.has("pid")) own_.group = whole("pid");
     if (tag_.has("pindex")) own_.index.fill(whole("pindex"));
@@ -169,8 +202,10 @@ class Parser {
     const bool isBase = tag_.name == "base";
     if (group_->kind != (isBase ? "basematerials" : "colorgroup")) return;
     group_->colors.push_back(color(tag_[isBase ? "displaycolor" : "color"]));
-    if (isBase) group_->names.push_back(xmlDecoded(tag_["name"]));
     hold();
+    if (!isBase) return;
+    group_->names.push_back(decodedName());
+    charge(file_, group_->names.back().capacity());
   }
 
   // What one tag adds is less than the most that is charged for it; vectors are copied as they
@@ -184,19 +219,30 @@ class Parser {
   }
 
   const MeshFile& file_;
-  const std::string& name_;
+  const std::string& name_;  // of the part
   XmlTags tags_;
   XmlTag tag_{};
   GrowingMemory memory_;
   std::uint64_t bytes_ = 0;
   Model3mf model_{};
-  Object3mf* object_ = nullptr;  // that is open
-  Property3mf own_{};            // of its triangles that have none
-  Group3mf* group_ = nullptr;    // that is open
+  std::map<std::string, std::uint32_t> paths_{};  // numbers of model_.paths
+  Object3mf* object_ = nullptr;                   // that is open
+  Property3mf own_{};                             // of its triangles that have none
+  Group3mf* group_ = nullptr;                     // that is open
   bool hasEnd_ = false;
 };
 
 }  // namespace
+
+std::string partName3mf(std::string_view name) {
+  while (name.starts_with('/')) name.remove_prefix(1);
+  return lowerCase(std::string(name));
+}
+
+std::string decodedPartName3mf(std::string_view attribute) {
+  constexpr std::size_t kLongest = 10 * 65536;  // of a ZIP file's names as entities
+  return partName3mf(xmlDecoded(attribute.substr(0, kLongest)));
+}
 
 Model3mf parsed3mf(const MeshFile& file, const std::string& name, std::string_view xml) {
   return Parser(file, name, xml).read();

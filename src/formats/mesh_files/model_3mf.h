@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/gtc/type_precision.hpp>
 #include <glm/mat3x3.hpp>
@@ -15,6 +16,14 @@
 
 namespace sherd {
 
+constexpr std::size_t kLongestName3mf = 1024;  ///< bytes of an object's or a material's name
+
+/// Returns the name of a part as it is compared: names have no case, and begin with a slash or not.
+[[nodiscard]] std::string partName3mf(std::string_view name);
+
+/// Returns that of an attribute, whose entities are not decoded.
+[[nodiscard]] std::string decodedPartName3mf(std::string_view attribute);
+
 /// p' = linear * p + offset.
 struct Transform3mf {
   glm::dmat3 linear{1.0};
@@ -27,8 +36,9 @@ struct Transform3mf {
 
 /// Another object, where a component or an item of the build shows it.
 struct Reference3mf {
+  static constexpr std::uint32_t kSameModel = 0xffffffff;
   std::uint32_t object = 0;
-  std::string path{};  ///< of its model; empty: the same
+  std::uint32_t path = kSameModel;  ///< of its model, in Model3mf::paths
   Transform3mf transform{};
 };
 
@@ -59,7 +69,9 @@ struct Model3mf {
   std::map<std::uint32_t, Object3mf> objects{};
   std::map<std::uint32_t, Group3mf> groups{};
   std::vector<Reference3mf> items{};  ///< of the build
+  std::vector<std::string> paths{};   ///< of other models, each once, by partName3mf()
   bool hasBeams = false;
+  bool hasCutNames = false;  ///< some were longer than kLongestName3mf
 };
 
 /// Parses a model.

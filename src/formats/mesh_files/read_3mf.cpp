@@ -6,30 +6,20 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <map>
-#include <memory>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
-#include "base/text/lower_case.h"
 #include "base/text/text_scan.h"
-#include "formats/arrays/zip_reader.h"
 #include "formats/mesh_files/model_3mf.h"
-#include "formats/mesh_files/xml_tags.h"
+#include "formats/mesh_files/package_3mf.h"
 
 namespace sherd {
 namespace {
 
 constexpr int kDeepest = 64;                   // components within components
 constexpr std::size_t kMostShown = 1'000'000;  // objects and components, also empty ones
-
-// Names of parts have no case, and begin with a slash or not.
-std::string partName(std::string_view name) {
-  while (name.starts_with('/')) name.remove_prefix(1);
-  return lowerCase(std::string(name));
-}
 
 struct NamedUnit {
   std::string_view name;
@@ -38,88 +28,30 @@ struct NamedUnit {
 constexpr NamedUnit kUnits[] = {{"micron", 1e-6}, {"millimeter", 1e-3}, {"centimeter", 1e-2},
                                 {"inch", 0.0254}, {"foot", 0.3048},     {"meter", 1.0}};
 
-// The package: its parts by name, models parsed once.
-class Package {
- public:
-  explicit Package(const MeshFile& file)
-      : file_(file), entries_(zipEntries(file.bytes, file.name)) {}
-
-  /// Returns the name of the first model.
-  std::string root() const {
-    if (const ZipEntry* rels = find("_rels/.rels")) {
-      const std::string text = unpacked(*rels);
-      XmlTags tags(withoutByteOrderMark(text));
-      XmlTag tag;
-      try {
-        while (tags.next(tag)) {
-          const bool isModel = tag["Type"].ends_with("/3dmodel");
-          const std::string target = partName(xmlDecoded(tag["Target"]));
-          if (tag.name == "Relationship" && isModel && find(target) != nullptr) return target;
-        }
-      } catch (const std::runtime_error& e) {  // then by its usual name
-        if (dynamic_cast<const Error*>(&e) != nullptr) throw;
-      }
-    }
-    std::string found;
-    for (const ZipEntry& entry : entries_) {
-      const std::string name = partName(entry.name);
-      if (!name.ends_with(".model")) continue;
-      if (found.empty() || name == "3d/3dmodel.model") found = name;
-    }
-    if (found.empty()) throw inputError(file_, "has no model: it is no 3MF file");
-    return found;
-  }
-
-  const Model3mf& model(const std::string& name) {
-    const auto known = models_.find(name);
-    if (known != models_.end()) return known->second;
-    const ZipEntry* entry = find(name);
-    if (entry == nullptr) {
-      throw inputError(
-          file_, "refers to the model '" + plainText(name.substr(0, 80)) + "', which is not in it");
-    }
-    return models_.emplace(name, parsed3mf(file_, name, unpacked(*entry))).first->second;
-  }
-
- private:
-  const ZipEntry* find(const std::string& name) const {
-    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const ZipEntry& entry) {
-      return partName(entry.name) == name;
-    });
-    return found == entries_.end() ? nullptr : &*found;
-  }
-
-  std::string unpacked(const ZipEntry& entry) const {
-    charge(file_, entry.size);
-    std::string text;
-    text.reserve(entry.size);
-    unpack(entry, file_.name, [&](std::string_view block) {
-      checkpoint(file_);
-      text += block;
-    });
-    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-      throw inputError(file_, "holds text in UTF-16, which is not read; save it as UTF-8");
-    return text;
-  }
-
-  const MeshFile& file_;
-  std::vector<ZipEntry> entries_;
-  std::map<std::string, Model3mf> models_;
+// An object where it is shown.
+struct Shown {
+  const Part3mf* part;
+  const Object3mf* object;
+  Transform3mf world;
 };
 
 class Reader {
  public:
-  explicit Reader(const MeshFile& file) : file_(file), package_(file) {}
+  explicit Reader(const MeshFile& file)
+      : file_(file), package_(file), shownMemory_(file.memory), materialMemory_(file.memory) {}
 
   RawMesh read() {
-    const std::string root = package_.root();
-    const Model3mf& model = package_.model(root);
+    const Part3mf& root = package_.root();
     for (const NamedUnit& known : kUnits) {
-      if (model.unit == known.name) out_.metersPerUnit = known.meters;
+      if (root.model.unit == known.name) out_.metersPerUnit = known.meters;
     }
-    std::vector<Reference3mf> items = model.items;
-    if (items.empty()) items = allObjects(model);
-    for (const Reference3mf& item : items) show(root, item, {}, 0);
+    if (root.model.items.empty()) {
+      for (const Reference3mf& item : allObjects(root.model)) show(root, item, {}, 0);
+    } else {
+      for (const Reference3mf& item : root.model.items) show(root, item, {}, 0);
+    }
+    makeRoom();
+    for (const Shown& shown : shown_) add(shown);
     complete();
     warn();
     return std::move(out_);
@@ -127,48 +59,69 @@ class Reader {
 
  private:
   // Without a build all that is no component is shown.
-  static std::vector<Reference3mf> allObjects(const Model3mf& model) {
+  std::vector<Reference3mf> allObjects(const Model3mf& model) const {
     std::set<std::uint32_t> within;
     for (const auto& [id, object] : model.objects) {
       for (const Reference3mf& component : object.components) within.insert(component.object);
     }
+    charge(file_, model.objects.size(), sizeof(Reference3mf));
     std::vector<Reference3mf> all;
+    all.reserve(model.objects.size());
     for (const auto& [id, object] : model.objects) {
       if (!within.contains(id)) all.push_back({.object = id});
     }
     return all;
   }
 
-  void show(const std::string& from, const Reference3mf& reference, const Transform3mf& outer,
+  // Lists what is shown, and charges it.
+  void show(const Part3mf& from, const Reference3mf& reference, const Transform3mf& outer,
             int depth) {
-    if (depth > kDeepest || ++shown_ > kMostShown) {
+    if (depth > kDeepest || ++references_ > kMostShown) {
       throw inputError(file_, "has objects within objects without an end: object " +
                                   std::to_string(reference.object));
     }
-    if (shown_ % 1024 == 0) checkpoint(file_);
-    const std::string path = reference.path.empty() ? from : partName(reference.path);
-    const Model3mf& model = package_.model(path);
+    if (references_ % 1024 == 0) checkpoint(file_);
+    const Part3mf& part = package_.partOf(from, reference);
+    const Model3mf& model = part.model;
     const auto found = model.objects.find(reference.object);
     if (found == model.objects.end()) {
       throw inputError(file_, "shows object " + std::to_string(reference.object) +
-                                  ", which its model '" + plainText(path.substr(0, 80)) +
+                                  ", which its model '" + plainText(part.name.substr(0, 80)) +
                                   "' does not have");
     }
+    const Object3mf& object = found->second;
     const Transform3mf world = outer * reference.transform;
     hasBeams_ |= model.hasBeams;
-    add(path, model, found->second, world);
-    for (const Reference3mf& component : found->second.components)
-      show(path, component, world, depth + 1);
+    hasCutNames_ |= model.hasCutNames;
+    if (!object.triangles.empty()) {
+      constexpr std::uint64_t kTriangle = sizeof(glm::uvec3) + 3 * sizeof(glm::u8vec3) + 8;
+      charge(file_, object.vertices.size(), sizeof(glm::dvec3));
+      charge(file_, object.triangles.size(), kTriangle);
+      charge(file_, sizeof(std::string) + object.name.size());
+      shownMemory_.hold((shown_.size() + 1) * sizeof(Shown));
+      shown_.push_back({&part, &object, world});
+    }
+    for (const Reference3mf& component : object.components) show(part, component, world, depth + 1);
   }
 
-  void add(const std::string& path, const Model3mf& model, const Object3mf& object,
-           const Transform3mf& world) {
-    if (object.triangles.empty()) return;
-    constexpr std::uint64_t kTriangle = sizeof(glm::uvec3) + 3 * sizeof(glm::u8vec3) + 8;
-    charge(file_, object.vertices.size(), sizeof(glm::dvec3));
-    charge(file_, object.triangles.size(), kTriangle);
-    if (out_.vertices.size() + object.vertices.size() > std::numeric_limits<std::uint32_t>::max())
+  // Arrays that grew would take up to three times what is charged.
+  void makeRoom() {
+    std::size_t vertices = 0, triangles = 0;
+    for (const Shown& shown : shown_) {
+      vertices += shown.object->vertices.size();
+      triangles += shown.object->triangles.size();
+    }
+    if (vertices > std::numeric_limits<std::uint32_t>::max())
       throw inputError(file_, "has more vertices than 32 bits can count");
+    out_.vertices.reserve(vertices);
+    out_.triangles.reserve(triangles);
+    out_.objectOfTriangle.reserve(triangles);
+    out_.objects.reserve(shown_.size());
+  }
+
+  void add(const Shown& shown) {
+    const Object3mf& object = *shown.object;
+    const Transform3mf& world = shown.world;
     const auto first = static_cast<std::uint32_t>(out_.vertices.size());
     for (const glm::dvec3& v : object.vertices)
       out_.vertices.push_back(world.linear * v + world.offset);
@@ -177,7 +130,7 @@ class Reader {
       glm::uvec3 corners = object.triangles[t];
       if (isMirrored) std::swap(corners.y, corners.z);
       out_.triangles.push_back(first + corners);
-      if (t < object.properties.size()) addProperty(path, model, object.properties[t], isMirrored);
+      if (t < object.properties.size()) addProperty(*shown.part, object.properties[t], isMirrored);
     }
     out_.objectOfTriangle.resize(out_.triangles.size(),
                                  static_cast<std::uint32_t>(out_.objects.size()));
@@ -185,11 +138,10 @@ class Reader {
   }
 
   // Adds the property of the last triangle.
-  void addProperty(const std::string& path, const Model3mf& model, const Property3mf& property,
-                   bool isMirrored) {
+  void addProperty(const Part3mf& part, const Property3mf& property, bool isMirrored) {
     if (property.group == Property3mf::kNone) return;
-    const auto found = model.groups.find(property.group);
-    if (found == model.groups.end()) {
+    const auto found = part.model.groups.find(property.group);
+    if (found == part.model.groups.end()) {
       ++absent_;
       return;
     }
@@ -208,21 +160,26 @@ class Reader {
       return;
     }
     if (isColor) {
+      out_.attributes.colors.reserve(out_.triangles.capacity());
       out_.attributes.colors.resize(out_.triangles.size(), kWhite);
       std::array<glm::u8vec3, 3>& corners = out_.attributes.colors.back();
       for (std::size_t k = 0; k < 3; ++k) corners[k] = group.colors[index[k]];
       if (isMirrored) std::swap(corners[1], corners[2]);
     } else {
+      out_.attributes.material.reserve(out_.triangles.capacity());
       out_.attributes.material.resize(out_.triangles.size(), kNoMaterial);
-      out_.attributes.material.back() = materialOf(path, property.group, group, index[0]);
+      out_.attributes.material.back() = materialOf(part, property.group, group, index[0]);
     }
   }
 
-  std::uint32_t materialOf(const std::string& path, std::uint32_t id, const Group3mf& group,
+  std::uint32_t materialOf(const Part3mf& part, std::uint32_t id, const Group3mf& group,
                            std::uint32_t index) {
     const auto [known, isNew] =
-        materials_.try_emplace({path, id, index}, out_.appearance.materials.size());
+        materials_.try_emplace({part.number, id, index}, out_.appearance.materials.size());
     if (isNew) {
+      constexpr std::uint64_t kEach = sizeof(Material) + sizeof(*known) + 4 * sizeof(void*);
+      materialBytes_ += kEach + group.names[index].size();
+      materialMemory_.hold(materialBytes_);
       out_.appearance.materials.push_back(
           {.name = group.names[index], .color = linearFromSrgb(group.colors[index])});
     }
@@ -259,6 +216,10 @@ class Reader {
       out_.warnings.push_back(file_.name + ": the colors or materials of " + triangles(absent_) +
                               " are left out: the file does not have them");
     }
+    if (hasCutNames_) {
+      out_.warnings.push_back(file_.name + ": names of more than " +
+                              std::to_string(kLongestName3mf) + " bytes are cut to that");
+    }
     if (hasBeams_) out_.warnings.push_back(file_.name + ": its beam lattices are left out");
   }
 
@@ -267,13 +228,19 @@ class Reader {
                                                      glm::u8vec3(255)};
 
   const MeshFile& file_;
-  Package package_;
+  Package3mf package_;
   RawMesh out_{};
-  std::map<std::tuple<std::string, std::uint32_t, std::uint32_t>, std::size_t> materials_{};
+  std::vector<Shown> shown_{};  // with triangles
+  GrowingMemory shownMemory_;
+  // By the number of their part, group and index.
+  std::map<std::tuple<std::size_t, std::uint32_t, std::uint32_t>, std::size_t> materials_{};
+  GrowingMemory materialMemory_;
+  std::uint64_t materialBytes_ = 0;
   std::map<std::string, std::size_t> lost_{};  // triangles, by kind of their group
   std::size_t absent_ = 0;                     // triangles
-  std::size_t shown_ = 0;
+  std::size_t references_ = 0;                 // that were followed
   bool hasBeams_ = false;
+  bool hasCutNames_ = false;
 };
 
 }  // namespace

@@ -11,6 +11,9 @@
 namespace sherd {
 namespace {
 
+// Of a tag; formats have a dozen.  More would take many times the memory of their text.
+constexpr std::size_t kMostAttributes = 1000;
+
 [[noreturn]] void malformed(const std::string& what) { throw std::runtime_error(what); }
 
 // Appends a character of Unicode as UTF-8.
@@ -117,6 +120,8 @@ void XmlTags::readAttributes(XmlTag& tag, std::string_view content) {
     const std::size_t end =
         quote == '"' || quote == '\'' ? content.find(quote, 1) : std::string_view::npos;
     if (end == content.npos) malformed("has an attribute " + inQuotes(name) + " without quotes");
+    if (tag.attributes.size() == kMostAttributes)
+      malformed("has a tag of more than " + std::to_string(kMostAttributes) + " attributes");
     tag.attributes.emplace_back(name, content.substr(1, end - 1));
     content.remove_prefix(end + 1);
   }

@@ -169,7 +169,7 @@ SurfacePoints parseXyz(std::string_view bytes, const std::string& name,
 SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name,
                              const ReadOptions& options) {
   MemoryBudget memory(name, options.maxMemory);
-  const std::vector<ZipEntry> entries = zipEntries(bytes, name);
+  const std::vector<ZipEntry> entries = zipEntries(bytes, name, &memory);
   const auto positions = numbersOf(entries, "positions", 3 * kMaxPoints, name, memory);
   const auto normals = numbersOf(entries, "normals", 3 * kMaxPoints, name, memory);
   auto neighbor = numbersOf(entries, "neighbor", kMaxPoints, name, memory);

@@ -152,7 +152,7 @@ RunLengthVoxels parseNpyLabels(std::string_view bytes, const std::string& name,
 PlacedVoxels parseNpzLabels(std::string_view bytes, const std::string& name,
                             const ReadOptions& options) {
   MemoryBudget memory(name, options.maxMemory);
-  const std::vector<ZipEntry> entries = zipEntries(bytes, name);
+  const std::vector<ZipEntry> entries = zipEntries(bytes, name, &memory);
   const ZipEntry* labels = entryOf(entries, "labels");
   if (labels == nullptr) inputError(name, "has no array 'labels'");
   PlacedVoxels voxels{{}, transformOf(entries, name, memory)};

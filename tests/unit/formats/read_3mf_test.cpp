@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory_budget.h"
+#include "formats/arrays/zip_reader.h"
 #include "unit/formats/mesh_folder.h"
 
 namespace sherd {
@@ -245,6 +247,122 @@ TEST_F(Read3mf, RefusesObjectsThatMultiplyWithoutMeasure) {
         write("a.3mf", package(model(resources, R"(<item objectid="60"/>)")));
     EXPECT_THROW((void)readMesh(file, {.maxMemory = 100'000'000}), Error);
   }
+}
+
+// A tetrahedron shown 10^4 times.
+std::string shownOften(const std::string& attributes) {
+  std::string resources = object(attributes, {}, "5");
+  for (int i = 4; i > 0; --i) {
+    resources += "<object id=\"" + std::to_string(i) + "\"><components>";
+    for (int k = 0; k < 10; ++k)
+      resources += "<component objectid=\"" + std::to_string(i + 1) + "\"/>";
+    resources += "</components></object>";
+  }
+  return package(model(resources));
+}
+
+TEST_F(Read3mf, NamesAreChargedAsOftenAsTheyAreShown) {
+  const ReadOptions limit{.maxMemory = 12'000'000};
+  const SourceMesh source = readMesh(write("a.3mf", shownOften(R"(name="n")")), limit);
+  EXPECT_EQ(source.objects.size(), 10'000u);
+  const std::string name(1000, 'n');  // 10 MB
+  const std::filesystem::path file = write("b.3mf", shownOften("name=\"" + name + "\""));
+  EXPECT_THROW((void)readMesh(file, limit), Error);
+  EXPECT_EQ(readMesh(file).objects.back(), name);
+}
+
+TEST_F(Read3mf, LongNamesAreCutBetweenCharacters) {
+  const auto named = [](const std::string& name) {
+    return object("name=\"" + name + "\"") +
+           R"(<object id="2"><components><component objectid="1"/><component objectid="1" transform="1 0 0 0 1 0 0 0 1 5 0 0"/></components></object>)";
+  };
+  const auto readNamed = [&](const std::string& name) {
+    return MeshFolder::read("a.3mf", package(model(named(name), R"(<item objectid="2"/>)")));
+  };
+  const std::string longest(1024, 'n');
+  EXPECT_EQ(readNamed(longest).objects.at(1), longest);
+  EXPECT_TRUE(readNamed(longest).warnings.empty());
+  std::string text = "n", entities = "n";  // of two bytes each, an odd number before them
+  for (int i = 0; i < 5000; ++i) text += "\u00e9", entities += "&#x000e9;";
+  for (const std::string& name : {text, entities}) {
+    const SourceMesh source = readNamed(name);
+    EXPECT_EQ(source.objects.at(0), text.substr(0, 1023));
+    EXPECT_EQ(source.warnings,
+              std::vector<std::string>{"a.3mf: names of more than 1024 bytes are cut to that"});
+  }
+}
+
+TEST_F(Read3mf, RefusesTagsOfMoreThanAThousandAttributes) {
+  const auto item = [](std::size_t attributes) {
+    std::string text = R"(<item objectid="1")";
+    for (std::size_t i = 1; i < attributes; ++i) text += R"( a="")";
+    return package(model(object(""), text + "/>"));
+  };
+  expectSameSurface(MeshFolder::read("a.3mf", item(1000)).mesh, tetrahedron());
+  EXPECT_EQ(refusal("b.3mf", item(1001)),
+            "b.3mf: its model '3d/part.model' has a tag of more than 1000 attributes");
+}
+
+// A comment of the same length takes no more than its text.
+TEST_F(Read3mf, EmptyObjectsAndGroupsAreCharged) {
+  const ReadOptions limit{.maxMemory = 2'000'000};
+  for (const std::string tag : {"object", "colorgroup"}) {
+    std::string empty;
+    for (int i = 2; i < 20'000; ++i) empty += "<" + tag + " id=\"" + std::to_string(i) + "\"/>";
+    const std::string comment = "<!--" + std::string(empty.size(), 'x') + "-->";
+    EXPECT_NO_THROW((void)readMesh(write("a.3mf", package(model(comment + object("")))), limit));
+    EXPECT_THROW((void)readMesh(write("b.3mf", package(model(empty + object("")))), limit), Error)
+        << tag;
+    EXPECT_NO_THROW((void)readMesh(write("b.3mf", package(model(empty + object(""))))));
+  }
+}
+
+// Names of parts have no case; the first of a name counts.
+TEST_F(Read3mf, MaterialsOfTwoModelsWithTheSameIdsAreTwo) {
+  const std::string root = model(
+      R"(<object id="1"><components><component objectid="1" p:path="/3D/A.model"/><component objectid="1" p:path="3d/b.model"/>)"
+      R"(<component objectid="1" p:path="3D/a.MODEL"/></components></object>)");
+  const auto other = [](const std::string& material) {
+    return model(R"(<basematerials id="8"><base name=")" + material +
+                     R"(" displaycolor="#FF0000"/></basematerials>)" +
+                     object(R"(pid="8" pindex="0")"),
+                 "");
+  };
+  const std::string bytes = zip({{"_rels/.rels", kRels},
+                                 {"3D/part.model", root},
+                                 {"3D/a.model", other("a")},
+                                 {"3D/a.Model", other("second of its name")},
+                                 {"3D/B.model", other("b")}});
+  const SourceMesh source = MeshFolder::read("a.3mf", bytes);
+  ASSERT_EQ(source.appearance.materials.size(), 2u);
+  EXPECT_EQ(source.appearance.materials[0].name, "a");
+  EXPECT_EQ(source.appearance.materials[1].name, "b");
+  EXPECT_EQ(source.mesh.attributes.material,
+            (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0}));
+}
+
+TEST_F(Read3mf, EntriesOfThePackageAreCharged) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (int i = 0; i < 10'000; ++i) files.emplace_back("f" + std::to_string(i), "");
+  const std::string bytes = zip(files);
+  MemoryBudget little("a.3mf", files.size() * sizeof(ZipEntry));
+  EXPECT_THROW((void)zipEntries(bytes, "a.3mf", &little), Error);
+  MemoryBudget enough("a.3mf", 10'000'000);
+  EXPECT_EQ(zipEntries(bytes, "a.3mf", &enough).size(), files.size());
+}
+
+TEST_F(Read3mf, TakesTheFirstModelThatIsThereOfManyRelationships) {
+  std::string rels = "<Relationships>";
+  std::vector<std::pair<std::string, std::string>> files;
+  for (int i = 0; i < 2000; ++i) {
+    rels += "<Relationship Target=\"/none" + std::to_string(i) + "\" Type=\"x/3dmodel\"/>";
+    files.emplace_back("f" + std::to_string(i), "");
+  }
+  rels += R"(<Relationship Target="/3D/OTHER.model" Type="x/3dmodel"/></Relationships>)";
+  files.emplace_back("3D/3dmodel.model", "no model");
+  files.emplace_back("3D/other.model", model(object("")));
+  files.emplace_back("_rels/.rels", rels);
+  expectSameSurface(MeshFolder::read("a.3mf", zip(files)).mesh, tetrahedron());
 }
 
 TEST_F(Read3mf, EveryPrefixOfAModelIsRefused) {
