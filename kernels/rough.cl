@@ -360,6 +360,22 @@ inline void keep_labels(const global ulong* restrict inside, const struct leaf_l
   }
 }
 
+// Returns the displacements of a leaf, [axis*64 + x*8 + y] rows along z in 1/256 voxel, beside `start`.
+inline void displacements_of(const ulong seed, const global long* restrict step,
+                             const global long* restrict propagationStep, const int propagation,
+                             const global int* restrict amplitude, const int firstOctave, const int octaves,
+                             const int4 leafLow, const int4 start, int8* displacement) {
+  for (int row = 0; row < 64; ++row) {
+    displacement[row] = (int8)(start.x);
+    displacement[64 + row] = (int8)(start.y);
+    displacement[2 * 64 + row] = (int8)(start.z);
+  }
+  for (int n = 0; n < octaves; ++n) {
+    add_octave(seed, firstOctave + n, steps_of(step[n], propagationStep[n], propagation), amplitude[n], leafLow,
+               displacement);
+  }
+}
+
 // Finds the displacements at some voxels.
 kernel void rough_at(
     const global int4* restrict voxel,        // [fractures]   w: 0 where there is none
@@ -376,11 +392,8 @@ kernel void rough_at(
   for (size_t i = get_global_id(0); i < fractures; i += get_global_size(0)) {
     const int4 at = voxel[i];
     int8 displacement[3 * 64];
-    for (int row = 0; row < 3 * 64; ++row) displacement[row] = (int8)(0);
-    for (int n = 0; at.w != 0 && n < octaves; ++n) {
-      add_octave(noiseSeed[i], firstOctave + n, steps_of(step[n], propagationStep[n], propagation), amplitude[n],
-                 (int4)(at.x & ~7, at.y & ~7, at.z & ~7, 0), displacement);
-    }
+    displacements_of(noiseSeed[i], step, propagationStep, propagation, amplitude, firstOctave, at.w != 0 ? octaves : 0,
+                     (int4)(at.x & ~7, at.y & ~7, at.z & ~7, 0), (int4)(0), displacement);
     int along[3][8];
     for (int axis = 0; axis < 3; ++axis) {
       vstore8(displacement[axis * 64 + (at.x & 7) * 8 + (at.y & 7)], 0, along[axis]);
@@ -420,15 +433,8 @@ kernel void rough(
       continue;
     }
     int8 displacement[3 * 64];
-    for (int row = 0; row < 64; ++row) {  // half a voxel: rounds to the nearest
-      displacement[row] = (int8)(128 - away.x);
-      displacement[64 + row] = (int8)(128 - away.y);
-      displacement[2 * 64 + row] = (int8)(128 - away.z);
-    }
-    for (int n = 0; n < octaves; ++n) {
-      add_octave(seed, firstOctave + n, steps_of(step[n], propagationStep[n], propagation), amplitude[n], origin[leaf],
-                 displacement);
-    }
+    displacements_of(seed, step, propagationStep, propagation, amplitude, firstOctave, octaves, origin[leaf],
+                     (int4)(128) - away, displacement);  // 128 rounds to the nearest voxel
     int4 last = (int4)(0);  // leaves away of the previous voxel: neighbors mostly end in the same leaf
     uint end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, 0, 0, 0);
     for (int row = 0; row < 64; ++row) {

@@ -202,7 +202,7 @@ class GrownPieces : public Fracture {
   GivenOptions given_;
   sherd::RunOptions run_;
   sherd::GrownFracture grown_;  // guarded by making_; its fragments are those of sampled()
-  const bool isAgain_;  // with exact surfaces
+  const bool isAgain_;          // with exact surfaces
   bool isMeasured_ = false;
   std::optional<bool> isMerged_;  // once it is known, guarded by making_
   std::string smoothText_, unitedText_;
