@@ -21,8 +21,9 @@ namespace sherd {
 
 /// Removes the files of a dataset, and moves all others to the same path below another folder,
 /// or below its subfolder "kept" where that path is taken.  May be called again after it was
-/// stopped at any point.  Files of the dataset are those that the journals list; of an unfinished
-/// object all that is below its folder, as when the run is resumed.
+/// stopped at any point.  A relative link in "kept" leads where it did.  Files of the dataset are
+/// those that the journals list; of an unfinished object all that is below its folder, as when the
+/// run is resumed.
 ///   folder   with the dataset; removed at the end
 ///   return   a sentence for each file in "kept"
 ///   throws   Error(output)

@@ -877,6 +877,25 @@ class Replacing(Dataset):
         after = dataset(self.out)
         self.assertEqual({n: s for n, s in after.items() if not n.startswith(".sherd-replacing")}, before)
 
+    def test_links_beside_lead_where_they_led(self):
+        self.done(*self.old)
+        new = sorted(n for n in self.expected(*self.TRAINING) if n.startswith("objects/ball/3f_0/") and n.endswith((".ply", ".rle", ".npz")))
+        self.mine(["notes.txt", "objects/ball/mine.txt", new[0]])
+        outside = self.path("outside.txt", b"of outside")
+        targets = [(os.path.join(self.out, n), "of " + n) for n in ("notes.txt", "objects/ball/mine.txt", new[0])]
+        targets += [(outside, "of outside")] * 2
+        links = [os.path.join(self.out, name) for name in new[1:1 + len(targets)]]
+        for i, (link, (target, _)) in enumerate(zip(links, targets, strict=True)):
+            os.makedirs(os.path.dirname(link), exist_ok=True)
+            relative = ("./" if i == 1 else "") + os.path.relpath(target, os.path.dirname(link))
+            os.symlink(target if i == 4 else relative, link)
+        self.done(*self.TRAINING, "--replace")
+        for link, (target, content) in zip(links, targets, strict=True):
+            with self.subTest(target=target), open(os.path.join(self.out, "kept", os.path.relpath(link, self.out))) as file:
+                self.assertTrue(os.path.islink(file.name))
+                self.assertEqual(file.read(), content)
+
+
     def test_shards_replace_when_they_are_merged(self):
         self.done(*self.old)
         before = dataset(self.out)
