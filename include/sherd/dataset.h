@@ -159,6 +159,8 @@ struct DatasetCallbacks {
 
 /// The contents of a finished dataset; for a shard that is not merged yet, those of this run.
 struct DatasetSummary {
+  std::filesystem::path folder{};  ///< of runDataset: where the files are, beside the dataset of
+                                   ///< `out` while a shard replaces it
   std::size_t objects = 0;
   std::size_t failures = 0;
   std::size_t skipped = 0;  ///< entries of the library that findObjects skipped
@@ -222,8 +224,10 @@ struct DatasetCheck {
 /// Verifies every file that the journals list: size and checksum, voxels per fragment in `.rle`
 /// files, face counts of `.ply`, `.obj` and `.binm` meshes; and the dataset's own files, see
 /// changedOwnFiles.
+///   shard   whose objects are read
 ///   throws  Error(input) `out` is not a dataset; Error(cancelled)
-DatasetCheck verifyDataset(const std::filesystem::path& out, const Progress* progress = nullptr);
+DatasetCheck verifyDataset(const std::filesystem::path& out, const Progress* progress = nullptr,
+                           Shard shard = {});
 
 /// Returns a sentence for each of the dataset's own files (plan, index, lists, report, journals)
 /// that is not as its checksum in journal/SHA256SUMS, or not listed there; nothing where there are

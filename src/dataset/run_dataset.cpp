@@ -286,6 +286,7 @@ DatasetSummary replaceIn(const fs::path& out, const fs::path& library, DatasetOp
   replacement.prepare(plan, plan.text);
   given.resume = true;
   DatasetSummary summary = runIn(replacement.fresh(), library, given, device, callbacks);
+  summary.folder = options.shard.of > 1 ? replacement.fresh() : out;
   if (options.shard.of > 1) return summary;  // the merge puts them in place
   if (summary.objects == 0) {
     throw Error(ErrorCode::input,
@@ -314,7 +315,9 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
       wasPending && given.replace && hasPlan(out) && isIdentityOf(given, readPlan(out).text);
   const bool isReplaced = given.replace && !options.resume && hasPlan(out);
   if (isReplaced) return replaceIn(out, library, options, device, callbacks);
-  return runIn(out, library, options, device, callbacks);
+  DatasetSummary summary = runIn(out, library, options, device, callbacks);
+  summary.folder = out;
+  return summary;
 }
 
 namespace {

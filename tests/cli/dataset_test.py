@@ -896,6 +896,35 @@ class Replacing(Dataset):
                 self.assertEqual(file.read(), content)
 
 
+    def test_a_shard_verifies_the_new_one(self):
+        for layout in "sherd", "hdf5":
+            with self.subTest(layout=layout):
+                self.done(*self.old, out=self.path(layout))
+                out = self.path(layout)
+                damaged = os.path.join(out, "objects/ball/2f_0/labels.rle")  # of the old one
+                with open(damaged, "ab") as file:
+                    file.write(b"more")
+                new = (*self.TRAINING, "--layout", layout, "--replace", "--verify", "--shard")
+                files = 0
+                for i in 1, 2:
+                    run = self.done(*new, f"{i}/2", out=out)
+                    self.assertIn(os.path.join(out, ".sherd-replacing/new") + ": all ", run.stdout)
+                    files += int(re.search(r": all (\d+) files are whole", run.stdout)[1])
+                run = self.done(*self.TRAINING, "--layout", layout, "--verify", out=self.path(layout + "1"))
+                self.assertEqual(files, int(re.search(r": all (\d+) files are whole", run.stdout)[1]))
+                inner = os.path.join(out, ".sherd-replacing/new")
+                mine = [n for n in tree(inner) if n.endswith((".ply", ".hdf5"))]
+                for name in mine:
+                    with open(os.path.join(inner, name), "r+b") as file:
+                        file.seek(-1, os.SEEK_END)
+                        last = file.read(1)
+                        file.seek(-1, os.SEEK_END)
+                        file.write(bytes([last[0] ^ 1]))
+                run = self.dataset(*new, "2/2", out=out)
+                self.assertEqual(run.returncode, 3, run.stderr)
+                self.assertIn("written", run.stderr.splitlines()[-1])
+
+
     def test_shards_replace_when_they_are_merged(self):
         self.done(*self.old)
         before = dataset(self.out)
