@@ -123,6 +123,7 @@ struct DatasetOptions {
   Shard shard{};
   bool resume = false;
   bool replace = false;  ///< a dataset that is there, once the new one is complete
+  bool strict = false;   ///< with `replace`: a dataset without some object replaces none
   bool viewers = false;  ///< a page of the viewer for each fracture that the report shows
   double objectTimeout = std::numeric_limits<double>::infinity();  ///< seconds
   std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max();

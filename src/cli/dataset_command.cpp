@@ -30,7 +30,6 @@ struct DatasetArguments {
   MachineOptions machine;
   bool verify = false;
   bool dryRun = false;
-  bool strict = false;
   bool json = false;
   bool quiet = false;
 };
@@ -42,8 +41,9 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
                 "Read all files again at the end, with --resume also those of earlier runs")
       ->group(group);
   command
-      .add_flag("--strict", arguments.strict,
-                "Status 3 if any object could not be broken, not only if none could")
+      .add_flag("--strict", arguments.options.strict,
+                "Status 3 if any object could not be broken, not only if none could; with "
+                "--replace the old dataset stays then")
       ->group(group);
   command
       .add_flag("--dry-run", arguments.dryRun, "Only estimate files and time, from a few objects")
@@ -87,7 +87,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
       throw Error(ErrorCode::input, "no object could be broken; " + failures + " has the reasons");
     }
     printer.printSummary(arguments.folder, summary);
-    if (arguments.strict && summary.failures > 0) {
+    if (options.strict && summary.failures > 0) {
       throw Error(ErrorCode::input, std::to_string(summary.failures) +
                                         (summary.failures == 1 ? " object" : " objects") +
                                         " could not be broken; " + failures + " has the reasons");

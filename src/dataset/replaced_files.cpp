@@ -32,6 +32,8 @@ constexpr std::array kTop{kPlanName,   kIndexCsv, kIndexJsonl, kFailuresName, kR
                           "train.txt", "val.txt", "test.txt",  "run.json",    "run_*_of_*.json"};
 constexpr std::array kTopOfHdf5{"fractures.hdf5", "fractures.hdf5.json", "fractures_*_of_*.hdf5",
                                 "fractures_*_of_*.hdf5.json"};
+constexpr const char* kRunName = "run.json";
+constexpr std::array kRunRecords{kRunName, "run_*_of_*.json"};
 constexpr const char* kKept = "kept";
 
 fs::file_type typeOf(const fs::path& path) {
@@ -245,6 +247,38 @@ std::set<std::string> entriesOfDataset(const fs::path& folder, const DatasetPlan
     ++entry;
   }
   return all;
+}
+
+Leftovers leftoversOf(const fs::path& folder, const DatasetPlan& plan, int shards) {
+  Leftovers leftovers;
+  std::set<std::string> planned;
+  for (const LibraryObject& object : plan.objects) planned.insert(object.folder);
+  for (const JournaledObject& one : journaledObjects(folder, readPlan(folder))) {
+    if (!planned.contains(one.object.folder)) leftovers.objects.push_back(one.object);
+  }
+  const std::string own =
+      shards == 1 ? kRunName : std::string("run_*_of_") + std::to_string(shards) + ".json";
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (isOneOf(kRunRecords, name) && !isOneOf(std::array{own.c_str()}, name))
+      leftovers.records.push_back(name);
+  }
+  return leftovers;
+}
+
+void removeLeftovers(const fs::path& folder, const DatasetPlan& plan, const Leftovers& leftovers) {
+  removeOwn(folder, kSumsName);
+  for (const std::string& name : leftovers.records) removeOwn(folder, name);
+  for (const LibraryObject& object : leftovers.objects) {
+    discardStored(storeOf(folder, object, optionsOf(plan)));
+    for (const fs::path& file : filesBelow(folder / kJournalFolder)) {  // thumbnails and pages
+      const std::string stem = fs::path(file).replace_extension().generic_string();
+      if (file.extension() != ".jsonl" && stem.substr(0, stem.rfind('.')) == object.folder)
+        removeOwn(folder, std::string(kJournalFolder) + "/" + file.generic_string());
+    }
+    removeOwn(folder, journalName(object));  // last: it says what the others are
+  }
+  removeEmptyFolders(folder);
 }
 
 std::vector<std::string> removeDataset(const fs::path& folder, const fs::path& others) {
