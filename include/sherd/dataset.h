@@ -123,6 +123,7 @@ struct DatasetOptions {
   Shard shard{};
   bool resume = false;
   bool replace = false;  ///< a dataset that is there, once the new one is complete
+  bool strict = false;   ///< with `replace`: a dataset without some object replaces none
   bool viewers = false;  ///< a page of the viewer for each fracture that the report shows
   double objectTimeout = std::numeric_limits<double>::infinity();  ///< seconds
   std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max();
@@ -159,6 +160,8 @@ struct DatasetCallbacks {
 
 /// The contents of a finished dataset; for a shard that is not merged yet, those of this run.
 struct DatasetSummary {
+  std::filesystem::path folder{};  ///< of runDataset: where the files are, beside the dataset of
+                                   ///< `out` while a shard replaces it
   std::size_t objects = 0;
   std::size_t failures = 0;
   std::size_t skipped = 0;  ///< entries of the library that findObjects skipped
@@ -222,8 +225,10 @@ struct DatasetCheck {
 /// Verifies every file that the journals list: size and checksum, voxels per fragment in `.rle`
 /// files, face counts of `.ply`, `.obj` and `.binm` meshes; and the dataset's own files, see
 /// changedOwnFiles.
+///   shard   whose objects are read
 ///   throws  Error(input) `out` is not a dataset; Error(cancelled)
-DatasetCheck verifyDataset(const std::filesystem::path& out, const Progress* progress = nullptr);
+DatasetCheck verifyDataset(const std::filesystem::path& out, const Progress* progress = nullptr,
+                           Shard shard = {});
 
 /// Returns a sentence for each of the dataset's own files (plan, index, lists, report, journals)
 /// that is not as its checksum in journal/SHA256SUMS, or not listed there; nothing where there are

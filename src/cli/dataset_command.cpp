@@ -30,7 +30,6 @@ struct DatasetArguments {
   MachineOptions machine;
   bool verify = false;
   bool dryRun = false;
-  bool strict = false;
   bool json = false;
   bool quiet = false;
 };
@@ -42,8 +41,9 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
                 "Read all files again at the end, with --resume also those of earlier runs")
       ->group(group);
   command
-      .add_flag("--strict", arguments.strict,
-                "Status 3 if any object could not be broken, not only if none could")
+      .add_flag("--strict", arguments.options.strict,
+                "Status 3 if any object could not be broken, not only if none could; with "
+                "--replace the old dataset stays then")
       ->group(group);
   command
       .add_flag("--dry-run", arguments.dryRun, "Only estimate files and time, from a few objects")
@@ -81,24 +81,24 @@ void runDatasetCommand(DatasetArguments& arguments) {
     if (arguments.verify && !options.replace) changed = changedOwnFiles(arguments.folder, false);
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, callbacks);
+    const std::string folder = summary.folder.string();
+    const std::string failures = (summary.folder / "failures.jsonl").string();
     if (summary.objects == 0 && summary.failures > 0) {
-      throw Error(ErrorCode::input, "no object could be broken; " + arguments.folder +
-                                        "/failures.jsonl has the reasons");
+      throw Error(ErrorCode::input, "no object could be broken; " + failures + " has the reasons");
     }
     printer.printSummary(arguments.folder, summary);
-    if (arguments.strict && summary.failures > 0) {
+    if (options.strict && summary.failures > 0) {
       throw Error(ErrorCode::input, std::to_string(summary.failures) +
                                         (summary.failures == 1 ? " object" : " objects") +
-                                        " could not be broken; " + arguments.folder +
-                                        "/failures.jsonl has the reasons");
+                                        " could not be broken; " + failures + " has the reasons");
     }
     if (!arguments.verify) return;
-    DatasetCheck check = verifyDataset(arguments.folder, &untilInterrupted());
+    DatasetCheck check = verifyDataset(folder, &untilInterrupted(), options.shard);
     // Those that were not written anew differ still.
     std::set<std::string> problems(check.problems.begin(), check.problems.end());
     problems.insert(changed.begin(), changed.end());
     check.problems.assign(problems.begin(), problems.end());
-    printer.printVerified(arguments.folder, check);
+    printer.printVerified(folder, check);
   } catch (const Error&) {
     printer.stopped();
     throw;

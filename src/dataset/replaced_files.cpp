@@ -32,6 +32,8 @@ constexpr std::array kTop{kPlanName,   kIndexCsv, kIndexJsonl, kFailuresName, kR
                           "train.txt", "val.txt", "test.txt",  "run.json",    "run_*_of_*.json"};
 constexpr std::array kTopOfHdf5{"fractures.hdf5", "fractures.hdf5.json", "fractures_*_of_*.hdf5",
                                 "fractures_*_of_*.hdf5.json"};
+constexpr const char* kRunName = "run.json";
+constexpr std::array kRunRecords{kRunName, "run_*_of_*.json"};
 constexpr const char* kKept = "kept";
 
 fs::file_type typeOf(const fs::path& path) {
@@ -147,15 +149,61 @@ void removeObject(const fs::path& folder, const JournaledObject& one,
   for (const FileRecord& file : one.finished->files) removeOwn(folder, file.name);
 }
 
+bool isLink(const fs::path& path) { return typeOf(path) == fs::file_type::symlink; }
+
+// Where a relative link leads, from the folder of the dataset.  The folders that its name has are
+// no links, so that "out of a folder" at its beginning is the folder's parent.
+fs::path targetOf(const fs::path& name, const fs::path& text) {
+  fs::path at = name.parent_path(), rest;
+  for (const fs::path& part : text) {
+    if (rest.empty() && part == ".") continue;
+    if (rest.empty() && part == ".." && !at.empty()) {
+      at = at.parent_path();
+    } else {
+      rest /= part;
+    }
+  }
+  return at / rest;
+}
+
+// The text of a link once it lies in "kept".
+//   inKept  the files that lie there
+fs::path textInKept(const fs::path& name, const fs::path& text, const std::set<fs::path>& inKept) {
+  const fs::path target = targetOf(name, text);
+  if (text.is_absolute() || inKept.contains(target)) return text;
+  fs::path up = "..";
+  for (fs::path at = name.parent_path(); !at.empty(); at = at.parent_path()) up /= "..";
+  return up / target;
+}
+
+// Moves a link into "kept"; it leads to the same file from there.
+bool moveLink(const fs::path& from, const fs::path& to, const fs::path& text) {
+  const Uncut whole;
+  std::error_code failed;
+  // A process that was killed here has left both.
+  const bool isThere = isLink(to) && fs::read_symlink(to, failed) == text;
+  return (isThere || ::symlink(text.c_str(), to.c_str()) == 0) && ::unlink(from.c_str()) == 0;
+}
+
 // Moves a file to the same path below another folder, or to "kept" there.
+//   inKept  what was moved there already
 //   return  the path in "kept"; empty if it is the same
-fs::path movedTo(const fs::path& from, const fs::path& others, const fs::path& name) {
+fs::path movedTo(const fs::path& from, const fs::path& others, const fs::path& name,
+                 const std::set<fs::path>& inKept) {
   for (const fs::path& to : {others / name, others / kKept / name}) {
+    const bool isSame = to == others / name;
     std::error_code failed;
     fs::create_directories(to.parent_path(), failed);
-    if (failed || isPresent(to)) continue;
+    if (failed) continue;
+    if (!isSame && isLink(from)) {
+      const fs::path text = fs::read_symlink(from, failed);
+      requireOwnSubfolder(others, to.lexically_relative(others).string());
+      if (!failed && moveLink(from, to, textInKept(name, text, inKept))) return to;
+      continue;
+    }
+    if (isPresent(to)) continue;
     requireOwnSubfolder(others, to.lexically_relative(others).string());
-    if (::rename(from.c_str(), to.c_str()) == 0) return to == others / name ? fs::path() : to;
+    if (::rename(from.c_str(), to.c_str()) == 0) return isSame ? fs::path() : to;
   }
   throw Error(ErrorCode::output,
               from.string() + ": is no file of the dataset, and cannot be moved " + "back to " +
@@ -201,6 +249,38 @@ std::set<std::string> entriesOfDataset(const fs::path& folder, const DatasetPlan
   return all;
 }
 
+Leftovers leftoversOf(const fs::path& folder, const DatasetPlan& plan, int shards) {
+  Leftovers leftovers;
+  std::set<std::string> planned;
+  for (const LibraryObject& object : plan.objects) planned.insert(object.folder);
+  for (const JournaledObject& one : journaledObjects(folder, readPlan(folder))) {
+    if (!planned.contains(one.object.folder)) leftovers.objects.push_back(one.object);
+  }
+  const std::string own =
+      shards == 1 ? kRunName : std::string("run_*_of_") + std::to_string(shards) + ".json";
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (isOneOf(kRunRecords, name) && !isOneOf(std::array{own.c_str()}, name))
+      leftovers.records.push_back(name);
+  }
+  return leftovers;
+}
+
+void removeLeftovers(const fs::path& folder, const DatasetPlan& plan, const Leftovers& leftovers) {
+  removeOwn(folder, kSumsName);
+  for (const std::string& name : leftovers.records) removeOwn(folder, name);
+  for (const LibraryObject& object : leftovers.objects) {
+    discardStored(storeOf(folder, object, optionsOf(plan)));
+    for (const fs::path& file : filesBelow(folder / kJournalFolder)) {  // thumbnails and pages
+      const std::string stem = fs::path(file).replace_extension().generic_string();
+      if (file.extension() != ".jsonl" && stem.substr(0, stem.rfind('.')) == object.folder)
+        removeOwn(folder, std::string(kJournalFolder) + "/" + file.generic_string());
+    }
+    removeOwn(folder, journalName(object));  // last: it says what the others are
+  }
+  removeEmptyFolders(folder);
+}
+
 std::vector<std::string> removeDataset(const fs::path& folder, const fs::path& others) {
   std::vector<std::string> sentences;
   std::set<std::string> own;
@@ -212,16 +292,21 @@ std::vector<std::string> removeDataset(const fs::path& folder, const fs::path& o
     own = ownNames(folder, plan, objects);
   }
   // All files of objects are gone: what is left is not the dataset's, or in `own`.
-  for (const fs::path& name : filesBelow(folder)) {
+  std::vector<fs::path> names = filesBelow(folder);
+  std::stable_partition(names.begin(), names.end(),  // links follow what they lead to
+                        [&](const fs::path& name) { return !isLink(folder / name); });
+  std::set<fs::path> inKept;
+  for (const fs::path& name : names) {
     if (own.contains(name.generic_string())) continue;
     if (isTemporaryName(name.filename().string()) && isOwnFile(folder, name.string())) {
       removeOwn(folder, name.string());
       continue;
     }
-    const fs::path kept = movedTo(folder / name, others, name);
-    if (!kept.empty())
-      sentences.push_back(name.string() + ": is no file of the dataset, and lies in " +
-                          kept.string() + " now");
+    const fs::path kept = movedTo(folder / name, others, name, inKept);
+    if (kept.empty()) continue;
+    inKept.insert(name);
+    sentences.push_back(name.string() + ": is no file of the dataset, and lies in " +
+                        kept.string() + " now");
   }
   // The journals and then the plan last: they say what the others are.
   const auto isJournal = [](const std::string& name) { return name.ends_with(".jsonl"); };

@@ -104,7 +104,7 @@ FolderLock aloneIn(const fs::path& out) {
 }  // namespace
 
 Replacement::Replacement(fs::path out, bool isShared)
-    : out_(std::move(out)), path_(out_ / kFolder) {
+    : out_(std::move(out)), path_(out_ / kFolder), isShared_(isShared) {
   makeFolder(path_);
   if (!isFolder(path_)) outputError(path_, "is not a folder; move it away");
   lock(isShared);
@@ -133,7 +133,15 @@ bool Replacement::isPending() const {
   return isFolder(path_ / kReady) || isFolder(path_ / kPlacing) || isFolder(path_ / kOld);
 }
 
-void Replacement::prepare(const DatasetPlan& plan, const std::string& identity) {
+void Replacement::discard() {
+  lock(false);  // no other shard works there
+  std::error_code failed;
+  fs::remove_all(fresh(), failed);
+  if (failed) outputError(fresh(), "cannot be removed: " + reasonOf(failed.value()));
+  lock(isShared_);
+}
+
+void Replacement::prepare(const DatasetPlan& plan, const std::string& identity, int shards) {
   if (!isFolder(fresh())) return;
   bool isSame = false;
   try {
@@ -141,12 +149,11 @@ void Replacement::prepare(const DatasetPlan& plan, const std::string& identity) 
     isSame = before.text == identity && before.layout == plan.layout;
   } catch (const Error&) {  // it was not begun, or is damaged
   }
-  if (!isSame) {
-    lock(false);  // no other shard works there
-    std::error_code failed;
-    fs::remove_all(fresh(), failed);
-    if (failed) outputError(fresh(), "cannot be removed: " + reasonOf(failed.value()));
-    return;
+  if (!isSame) return discard();
+  if (const Leftovers leftovers = leftoversOf(fresh(), plan, shards); !leftovers.isEmpty()) {
+    lock(false);
+    removeLeftovers(fresh(), plan, leftovers);
+    lock(isShared_);
   }
   for (const LibraryObject& object : plan.objects) {
     try {

@@ -32,10 +32,15 @@ class Replacement {
   /// The folder for the new dataset.
   [[nodiscard]] std::filesystem::path fresh() const;
 
-  /// Removes a new dataset with other options that an earlier process left, and journals of objects
-  /// whose files have changed since; keeps all else.
+  /// Removes a new dataset with other options that an earlier process left; of one with the same
+  /// options the objects that are not in the plan, journals of those whose files have changed
+  /// since, and records of runs in another number of shards; keeps all else.
   ///   throws  Error(output) another process works on it
-  void prepare(const DatasetPlan& plan, const std::string& identity);
+  void prepare(const DatasetPlan& plan, const std::string& identity, int shards);
+
+  /// Removes the new dataset.
+  ///   throws  Error(output)
+  void discard();
 
   /// Requires that nothing in OUT but the old dataset is in the way of the new one's entries.
   ///   throws  Error(output)
@@ -54,6 +59,7 @@ class Replacement {
   void advance(std::vector<std::string>& sentences);
 
   std::filesystem::path out_, path_;
+  bool isShared_ = false;
   int descriptor_ = -1;
   FolderLock lock_;
 };

@@ -11,6 +11,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/files/atomic_file.h"
+#include "base/files/below_folder.h"
 #include "base/files/file_bytes.h"
 #include "dataset/index.h"
 #include "dataset/journal/failure.h"
@@ -265,10 +266,29 @@ DatasetSummary runIn(const fs::path& out, const fs::path& library, const Dataset
   return summary;
 }
 
+// Says what the first line of failures.jsonl does; empty if there is none.
+std::string firstFailure(const fs::path& out) {
+  if (!isOwnFile(out, kFailuresName)) return {};
+  const std::string text = readFileBytes(out / kFailuresName);
+  const Json line = Json::parse(text.substr(0, text.find('\n')), nullptr, false);
+  if (!line.is_object()) return {};
+  return "; the first, " + line.value("object", std::string()) + ": " +
+         line.value("reason", std::string());
+}
+
 void warnOf(const DatasetCallbacks& callbacks, const std::vector<std::string>& sentences) {
   for (const std::string& sentence : sentences) {
     if (callbacks.warning) callbacks.warning(sentence);
   }
+}
+
+// A dataset of which no object could be broken replaces none, and is removed.
+void requireObjects(const fs::path& out, const DatasetSummary& summary, Replacement& replacement) {
+  if (summary.objects > 0) return;
+  const std::string reason = firstFailure(replacement.fresh());
+  replacement.discard();
+  throw Error(ErrorCode::input,
+              "no object could be broken, so " + out.string() + " keeps its dataset" + reason);
 }
 
 // Makes a dataset beside the one in `out`, then puts it in its place.
@@ -283,14 +303,21 @@ DatasetSummary replaceIn(const fs::path& out, const fs::path& library, DatasetOp
   std::set<std::string> entries{kJournalFolder};
   for (const LibraryObject& object : plan.objects) entries.merge(entriesOfObject(plan, object));
   replacement.requireFree(entries);
-  replacement.prepare(plan, plan.text);
+  replacement.prepare(plan, plan.text, options.shard.of);
   given.resume = true;
   DatasetSummary summary = runIn(replacement.fresh(), library, given, device, callbacks);
+  summary.folder = options.shard.of > 1 ? replacement.fresh() : out;
   if (options.shard.of > 1) return summary;  // the merge puts them in place
-  if (summary.objects == 0) {
+  requireObjects(out, summary, replacement);
+  if (options.strict && summary.failures > 0) {
     throw Error(ErrorCode::input,
-                "no object could be broken, so " + out.string() + " keeps its dataset; " +
-                    (replacement.fresh() / kFailuresName).string() + " has the reasons");
+                std::to_string(summary.failures) +
+                    (summary.failures == 1 ? " object" : " objects") + " could not be broken, so " +
+                    out.string() + " keeps its dataset; " +
+                    (replacement.fresh() / kFailuresName).string() +
+                    " has the reasons; mend those meshes and run the same command again, or leave "
+                    "the option out",
+                OptionNames{"strict"});
   }
   warnOf(callbacks, replacement.putInPlace());
   return summary;
@@ -314,7 +341,9 @@ DatasetSummary runDataset(const fs::path& library, const fs::path& out, const Da
       wasPending && given.replace && hasPlan(out) && isIdentityOf(given, readPlan(out).text);
   const bool isReplaced = given.replace && !options.resume && hasPlan(out);
   if (isReplaced) return replaceIn(out, library, options, device, callbacks);
-  return runIn(out, library, options, device, callbacks);
+  DatasetSummary summary = runIn(out, library, options, device, callbacks);
+  summary.folder = out;
+  return summary;
 }
 
 namespace {
@@ -358,10 +387,7 @@ DatasetSummary mergeDataset(const fs::path& out, const Progress* progress) {
   }
   Replacement replacement(out, false);
   DatasetSummary summary = mergeIn(replacement.fresh(), progress);
-  if (summary.objects == 0) {
-    throw Error(ErrorCode::input,
-                "no object could be broken, so " + out.string() + " keeps its dataset");
-  }
+  requireObjects(out, summary, replacement);
   for (std::string& sentence : replacement.putInPlace())
     summary.warnings.push_back(std::move(sentence));
   return summary;

@@ -154,7 +154,7 @@ void checkFracture(const StoredFiles& files, const Json& line) {
 
 }  // namespace
 
-DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
+DatasetCheck verifyDataset(const fs::path& out, const Progress* progress, Shard shard) {
   const DatasetPlan plan = readPlan(out);
   DatasetCheck check;
   std::mutex mutex;
@@ -168,7 +168,7 @@ DatasetCheck verifyDataset(const fs::path& out, const Progress* progress) {
     joined.emplace(out);
     for (const std::string& sentence : joined->problems()) problem(sentence);
   }
-  for (const LibraryObject& object : plan.objects) {
+  for (const LibraryObject& object : shardOf(plan.objects, shard)) {
     try {
       const JournalText journal = readJournal(out, object);
       if (journal.failed) continue;

@@ -874,8 +874,104 @@ class Replacing(Dataset):
         run = self.dataset(*self.NEW, "--replace", library=library)
         self.assertEqual(run.returncode, 3)
         self.assertIn("keeps its dataset", run.stderr)
-        after = dataset(self.out)
-        self.assertEqual({n: s for n, s in after.items() if not n.startswith(".sherd-replacing")}, before)
+        self.assertIn("the first, a.obj: ", run.stderr)
+        self.assertEqual(dataset(self.out), before)
+        self.assertEqual(self.run_sherd("merge", self.out).returncode, 0)  # of the old one
+        for i in 1, 2:
+            self.done(*self.NEW, "--replace", "--shard", f"{i}/2", library=library)
+        self.refused(3, self.run_sherd("merge", self.out), "keeps its dataset")
+        self.assertEqual(dataset(self.out), before)
+        self.assertEqual(self.run_sherd("merge", self.out).returncode, 0)
+
+    def library_of(self, *names):
+        library = self.path("numbered")
+        shutil.rmtree(library, ignore_errors=True)
+        os.makedirs(library)
+        for i, name in enumerate(names):
+            os.makedirs(os.path.dirname(os.path.join(library, name)), exist_ok=True)
+            write_obj(os.path.join(library, name), sphere(radius=1 + i))
+        return library
+
+    def test_strict_keeps_the_old_one_if_any_object_fails(self):
+        self.done(*self.old)
+        before = dataset(self.out)
+        library = self.library_of("o0.obj")
+        self.path("numbered/bad.obj", b"v 0 0 0\n")
+        new = (*self.NEW, "--replace")
+        run = self.dataset(*new, "--strict", library=library)
+        self.assertEqual(run.returncode, 3, run.stderr)
+        for words in "1 object could not be broken", "keeps its dataset", "--strict":
+            self.assertIn(words, run.stderr.splitlines()[-1])
+        self.assertEqual({n: s for n, s in dataset(self.out).items() if not n.startswith(".sherd-replacing")}, before)
+        with open(os.path.join(self.out, ".sherd-replacing/new/failures.jsonl")) as lines:
+            self.assertEqual([json.loads(line)["object"] for line in lines], ["bad.obj"])
+        self.done(*new, library=library)
+        self.assertEqual(dataset(self.out), self.expected(*self.NEW, library=library))
+
+    def test_a_shard_verifies_the_new_one(self):
+        for layout in "sherd", "hdf5":
+            with self.subTest(layout=layout):
+                self.done(*self.old, out=self.path(layout))
+                out = self.path(layout)
+                damaged = os.path.join(out, "objects/ball/2f_0/labels.rle")  # of the old one
+                with open(damaged, "ab") as file:
+                    file.write(b"more")
+                new = (*self.TRAINING, "--layout", layout, "--replace", "--verify", "--shard")
+                files = 0
+                for i in 1, 2:
+                    run = self.done(*new, f"{i}/2", out=out)
+                    self.assertIn(os.path.join(out, ".sherd-replacing/new") + ": all ", run.stdout)
+                    files += int(re.search(r": all (\d+) files are whole", run.stdout)[1])
+                run = self.done(*self.TRAINING, "--layout", layout, "--verify", out=self.path(layout + "1"))
+                self.assertEqual(files, int(re.search(r": all (\d+) files are whole", run.stdout)[1]))
+                inner = os.path.join(out, ".sherd-replacing/new")
+                mine = [n for n in tree(inner) if n.endswith((".ply", ".hdf5"))]
+                for name in mine:
+                    with open(os.path.join(inner, name), "r+b") as file:
+                        file.seek(-1, os.SEEK_END)
+                        last = file.read(1)
+                        file.seek(-1, os.SEEK_END)
+                        file.write(bytes([last[0] ^ 1]))
+                run = self.dataset(*new, "2/2", out=out)
+                self.assertEqual(run.returncode, 3, run.stderr)
+                self.assertIn("written", run.stderr.splitlines()[-1])
+
+    def test_what_left_the_library_is_not_in_the_new_one(self):
+        """A continued replacement holds what its own plan says, whatever the runs before it made."""
+        for layout in "sherd", "packed", "paper", "bb", "hdf5", "pfpp":
+            with self.subTest(layout=layout):
+                library = self.library_of("o0.obj", "far/o1.obj", "o2.obj", "far/deep/o3.obj")
+                options = [a for a in self.TRAINING if a not in ("--limit", "2")] + ["--limit", "9", "--layout", layout]
+                out = self.path("of-" + layout)
+                self.done(*self.old, out=out)
+                for i in 1, 2:
+                    self.done(*options, "--replace", "--shard", f"{i}/2", out=out, library=library)
+                os.remove(os.path.join(library, "o0.obj"))
+                shutil.rmtree(os.path.join(library, "far", "deep"))
+                self.done(*options, "--replace", "--verify", out=out, library=library)
+                self.assertEqual(dataset(out), self.expected(*options, library=library))
+                self.assertEqual(sorted(n for n in tree(out) if n.startswith("journal/") and n.endswith(".jsonl")),
+                                 ["journal/far/o1.jsonl", "journal/o2.jsonl"])
+                self.assertEqual([n for n in tree(out) if "o0" in n or "o3" in n], [])
+                self.assertEqual([n for n in os.listdir(out) if n.startswith("run")], ["run.json"])
+
+    def test_links_beside_lead_where_they_led(self):
+        self.done(*self.old)
+        new = sorted(n for n in self.expected(*self.TRAINING) if n.startswith("objects/ball/3f_0/") and n.endswith((".ply", ".rle", ".npz")))
+        self.mine(["notes.txt", "objects/ball/mine.txt", new[0]])
+        outside = self.path("outside.txt", b"of outside")
+        targets = [(os.path.join(self.out, n), "of " + n) for n in ("notes.txt", "objects/ball/mine.txt", new[0])]
+        targets += [(outside, "of outside")] * 2
+        links = [os.path.join(self.out, name) for name in new[1:1 + len(targets)]]
+        for i, (link, (target, _)) in enumerate(zip(links, targets, strict=True)):
+            os.makedirs(os.path.dirname(link), exist_ok=True)
+            relative = ("./" if i == 1 else "") + os.path.relpath(target, os.path.dirname(link))
+            os.symlink(target if i == 4 else relative, link)
+        self.done(*self.TRAINING, "--replace")
+        for link, (target, content) in zip(links, targets, strict=True):
+            with self.subTest(target=target), open(os.path.join(self.out, "kept", os.path.relpath(link, self.out))) as file:
+                self.assertTrue(os.path.islink(file.name))
+                self.assertEqual(file.read(), content)
 
     def test_shards_replace_when_they_are_merged(self):
         self.done(*self.old)
