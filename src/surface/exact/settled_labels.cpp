@@ -102,13 +102,14 @@ class Following {
  private:
   // Returns the inside voxels of a fragment, ascending.
   std::vector<std::size_t>& voxelsOf(std::uint16_t id) {
-    const auto [at, isNew] = voxels_.try_emplace(id);
+    const bool isNew = !voxels_.contains(id);
+    std::vector<std::size_t>& own = voxels_[id];
     if (isNew) {
       blocks_.forEachInside([&](std::size_t voxel) {
-        if (labels_.fragment[voxel] == id) at->second.push_back(voxel);
+        if (labels_.fragment[voxel] == id) own.push_back(voxel);
       });
     }
-    return at->second;
+    return own;
   }
 
   void set(std::size_t voxel, std::uint16_t id) {
