@@ -197,7 +197,9 @@ TEST_F(Rough, StaysAtAnAnchor) {
       far += std::abs(displacement(seed, octaves, 0, anchor)) > 512;
     }
   }
-  if (!voxel_shapes::small()) EXPECT_GT(far, 2);
+  if (!voxel_shapes::small()) {
+    EXPECT_GT(far, 2);
+  }
 }
 
 TEST_F(Rough, EqualsTheReferenceWalkWithTwoExponents) {
