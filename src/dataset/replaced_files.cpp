@@ -15,6 +15,7 @@
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
 #include "base/files/file_bytes.h"
+#include "base/files/folders.h"
 #include "dataset/journal/journal.h"
 #include "dataset/journal/object_folder.h"
 #include "dataset/journal/own_sums.h"
@@ -35,13 +36,6 @@ constexpr std::array kTopOfHdf5{"fractures.hdf5", "fractures.hdf5.json", "fractu
 constexpr const char* kRunName = "run.json";
 constexpr std::array kRunRecords{kRunName, "run_*_of_*.json"};
 constexpr const char* kKept = "kept";
-
-fs::file_type typeOf(const fs::path& path) {
-  std::error_code none;
-  return fs::symlink_status(path, none).type();
-}
-
-bool isFolder(const fs::path& path) { return typeOf(path) == fs::file_type::directory; }
 
 bool isPresent(const fs::path& path) { return typeOf(path) != fs::file_type::not_found; }
 

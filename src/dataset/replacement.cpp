@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "base/files/atomic_file.h"
+#include "base/files/folders.h"
 #include "base/files/unfinished.h"
 #include "dataset/journal/failure.h"
 #include "dataset/journal/journal.h"
@@ -31,22 +32,6 @@ constexpr const char* kNew = "new";
 constexpr const char* kReady = "ready";
 constexpr const char* kPlacing = "placing";
 constexpr const char* kOld = "old";
-
-[[noreturn]] void outputError(const fs::path& path, const std::string& what) {
-  throw Error(ErrorCode::output, path.string() + ": " + what);
-}
-
-fs::file_type typeOf(const fs::path& path) {
-  std::error_code none;
-  return fs::symlink_status(path, none).type();
-}
-
-bool isFolder(const fs::path& path) { return typeOf(path) == fs::file_type::directory; }
-
-void makeFolder(const fs::path& folder) {
-  if (::mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST)
-    outputError(folder, "cannot be made: " + reasonOf(errno));
-}
 
 void moveFolder(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0)

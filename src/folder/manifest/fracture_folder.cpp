@@ -15,6 +15,7 @@
 
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
+#include "base/files/folders.h"
 #include "base/files/unfinished.h"
 #include "base/text/text_scan.h"
 #include "folder/manifest/own_files.h"
@@ -26,13 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void outputError(const fs::path& path, const std::string& what) {
-  throw Error(ErrorCode::output, path.string() + ": " + what);
-}
-
 // Out of memory is not an error of the folder.
-[[noreturn]] void outputError(const fs::path& path, const std::string& what,
-                              const fs::filesystem_error& e) {
+[[noreturn]] void failedFolder(const fs::path& path, const std::string& what,
+                               const fs::filesystem_error& e) {
   if (e.code() == std::errc::not_enough_memory) throw std::bad_alloc();
   outputError(path, what + ": " + reasonOf(e.code().value()));
 }
@@ -159,7 +156,7 @@ void checkFractureFolder(const fs::path& folder) {
     }
     requireWritable(parent);
   } catch (const fs::filesystem_error& e) {
-    outputError(folder, "cannot be used", e);
+    failedFolder(folder, "cannot be used", e);
   }
 }
 
@@ -182,7 +179,7 @@ auto withFolderErrors(const fs::path& folder, const Work& work) {
   } catch (const Error& e) {
     throw Error(e.code(), withFinalPath(e.what()), e.options());
   } catch (const fs::filesystem_error& e) {
-    outputError(folder, "cannot be written", e);
+    failedFolder(folder, "cannot be written", e);
   }
 }
 

@@ -18,6 +18,7 @@
 
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
+#include "base/files/folders.h"
 #include "base/input_error.h"
 #include "folder/manifest/file_names.h"
 #include "folder/manifest/listed_files.h"
@@ -36,24 +37,7 @@ constexpr const char* kMade = "made";
 
 constexpr const char* kRestores = "; the next run, or sherd inspect, restores the earlier fracture";
 
-[[noreturn]] void outputError(const fs::path& path, const std::string& what) {
-  throw Error(ErrorCode::output, path.string() + ": " + what);
-}
-
-fs::file_type typeOf(const fs::path& path) {
-  std::error_code none;
-  return fs::symlink_status(path, none).type();
-}
-
-bool isFolder(const fs::path& path) { return typeOf(path) == fs::file_type::directory; }
-
 // ---- Folders and renames
-
-void makeFolder(const fs::path& folder) {
-  if (::mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) {
-    outputError(folder, "cannot be made: " + reasonOf(errno));
-  }
-}
 
 // Returns the subfolders of a root that have files: one level, as in fileNames.
 std::set<fs::path> subfoldersOf(const fs::path& root, const Files& files) {
