@@ -15,7 +15,7 @@ else()
   sherd_room(sherd cl no_open_cl)
 endif()
 sherd_room(sherd mesh
-  coordinate_system hull mass_sums measure plane_moments principal_inertia surface_by_area symmetric_eigen topology
+  coordinate_system hull mass_sums measure plane_moments principal_inertia self_affine_noise surface_by_area symmetric_eigen topology
   vertex_normals)
 sherd_room(sherd mesh/search curtain inside mesh_distance near_boxes sided_mesh triangle_tree winding_in_ball winding_number)
 sherd_room(sherd mesh/attributes bent_attributes charts colors seams)
@@ -56,7 +56,7 @@ sherd_room(sherd interface
 sherd_room(sherd surface/exact
   body_clusters closed_solid cluster_solids crack_surface exact_by_cluster exact_meshes exact_surface kept_meshes labels_beyond
   layer patches settled_labels sheet_middles)
-sherd_room(sherd surface check_finite extract fragment_surfaces label_mesh simplify)
+sherd_room(sherd surface check_finite extract fragment_surfaces label_mesh simplify surface_noise)
 sherd_room(sherd points
   check_points correspondences eliminate point_sequence sample_distances sample_fragments sample_points signed_distances)
 sherd_room(sherd appearance exact_transfer source_faces transfer weights)

@@ -87,6 +87,16 @@ struct SmoothOptions {
   Smoothing method = Smoothing::taubin;
 };
 
+/// Self-affine noise by which a surface is displaced along its normals.  Percentages are of the
+/// diagonal of the mesh's box.
+struct NoiseOptions {
+  double rms = 0.0;         ///< rms displacement, 0..5 %; 0: none
+  double hurst = 0.6;       ///< Hurst exponent, 0.1..1
+  double wavelength = 3.0;  ///< 0.01..100 %: displacements farther apart are nearly independent,
+                            ///< and nearer ones differ by distance^hurst.  The defaults are those
+                            ///< that fit the joints of a really broken brick, docs/realism.md
+};
+
 /// SurfaceOptions::adaptivity: where the input is piecewise flat, the triangles in each plane are
 /// merged.  That is so where at least half of the area is flat at the scale of a voxel.
 inline constexpr double kAutoAdaptivity = -1.0;
@@ -107,12 +117,21 @@ struct SurfaceOptions {
   Surface surface = Surface::smooth;  ///< RunOptions, of which `sherd fracture` and Python are,
                                       ///< have Surface::automatic
   Interface interface = Interface::shared;
-  SmoothOptions smooth{};                ///< for both surfaces; the default does not smooth
-  double adaptivity = kAutoAdaptivity;   ///< 0..1 voxels, or kAutoAdaptivity; 0: none.  Merges
-                                         ///< polygons in flat regions: the largest rms distance of
-                                         ///< a vertex from the planes of the faces it replaces.  Of
-                                         ///< Surface::exact only cracks, and if not 0 at least
-                                         ///< kPlanarCrackTolerance, as kAutoAdaptivity
+  SmoothOptions smooth{};               ///< for both surfaces; the default does not smooth
+  double adaptivity = kAutoAdaptivity;  ///< 0..1 voxels, or kAutoAdaptivity; 0: none.  Merges
+                                        ///< polygons in flat regions: the largest rms distance of
+                                        ///< a vertex from the planes of the faces it replaces.  Of
+                                        ///< Surface::exact only cracks, and if not 0 at least
+                                        ///< kPlanarCrackTolerance, as kAutoAdaptivity
+  NoiseOptions mismatch{};      ///< displaces each side of a crack by noise of its own, which falls
+                                ///< to nothing at the contact boundary, so that meshes stay closed
+                                ///< and meet the original surface where they did.  Meshes only:
+                                ///< labels, level sets and contacts are those without.  Cracks keep
+                                ///< all triangles, so adaptivity must not be above 0
+  double mismatchCommon = 0.0;  ///< 0..1, the share of the mismatch's variance by which both sides
+                                ///< move alike
+  NoiseOptions scanNoise{};     ///< displaces all of a fragment's mesh, as scanning it does.  Not
+                                ///< with Surface::exact, whose outside has the input's triangles
   std::vector<std::size_t> triangles{};  ///< also decimates every mesh to at most each of these
                                          ///< numbers: >= 4, no duplicates
 };

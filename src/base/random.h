@@ -67,6 +67,8 @@ enum class Stage : std::uint64_t {
   crackVertex = 92,
   crackShift = 94,
   crackJitter = 95,
+  mismatch = 103,  // derives a seed per fragment; 0: of both sides
+  scanNoise = 104,
   flatPoint = 93,
   datasetObject = 96,    // derives a seed per object of a library
   datasetFracture = 97,  // derives a seed per fracture of an object

@@ -355,7 +355,8 @@ const Row kSurfaceRows[]{
          "the creases and corners of the input as sharp as they are where its details are "
          "larger than a voxel. `labels`: the voxel faces of the fragment, as in the paper. "
          "`auto` is `exact`, but `smooth` for volumes, with `--interface independent`, with "
-         "smoothing, where all surfaces are eroded, and where no file has meshes or points; with "
+         "smoothing or `--scan-noise`, where all surfaces are eroded, and where no file has meshes "
+         "or points; with "
          "`--only` `exact` if some fragments are. In datasets `auto` is `smooth`, which "
          "takes less time. The `.vdb` files are the same for all",
      .key = "surface.of",
@@ -443,6 +444,48 @@ const Row kSurfaceRows[]{
      .details = "step for these; with 0 they stay, and fragments of `labels` fit without "
                 "a gap",
      .key = "surface.smooth.boundary_weight",
+     .drawn = true},
+    {.name = "mismatch",
+     .group = "Surface",
+     .value = V::custom(
+         OptionType::text, "P%[,H[,W%]]",
+         [](RunOptions& o, const std::string& text) { setNoise(kSurface(o).mismatch, text); },
+         [](R o) { return noiseText(kSurface(o).mismatch); }),
+     .help = "Displace each side of a crack by rough noise of its own: rms in % of the mesh's "
+             "diagonal, Hurst exponent H (default 0.6), W beyond which heights are independent "
+             "(default 3%)",
+     .details =
+         "the two sides of a crack fit only roughly, as those of real fragments do: each is "
+         "displaced by self-affine noise of its own, with an rms of P % (0 to 5) of the diagonal "
+         "of the mesh's box, a Hurst exponent H (0.1 to 1, default 0.6), and heights that are "
+         "independent beyond W % (default 3). It falls to nothing at the contact boundary, over "
+         "a voxel or three times the rms, so meshes stay closed and the outside stays as it is. "
+         "Meshes and points alone: labels, `.vdb` files and contacts are those without. `0.15%` "
+         "is about that of real ceramics ([realism.md](realism.md#joints))",
+     .key = "surface.mismatch",
+     .recorded = [](R o) { return kSurface(o).mismatch.rms > 0.0; },
+     .drawn = true},
+    {.name = "mismatch-common",
+     .group = "Surface",
+     .value = V::number(kSurface, &SurfaceOptions::mismatchCommon, kShare),
+     .help = "Share of the mismatch's variance by which both sides of a crack move alike",
+     .details = "share of the mismatch's variance by which both sides of a crack move alike, which "
+                "roughens the crack and opens no gap",
+     .key = "surface.mismatch_common",
+     .recorded = [](R o) { return kSurface(o).mismatch.rms > 0.0; },
+     .drawn = true},
+    {.name = "scan-noise",
+     .group = "Surface",
+     .value = V::custom(
+         OptionType::text, "P%[,H[,W%]]",
+         [](RunOptions& o, const std::string& text) { setNoise(kSurface(o).scanNoise, text); },
+         [](R o) { return noiseText(kSurface(o).scanNoise); }),
+     .help = "Displace all of each fragment's surface by rough noise: as --mismatch",
+     .details =
+         "displaces all vertices of a fragment, those outside too, by noise as that of "
+         "`--mismatch`, another for each fragment. With smooth surfaces, which `auto` is then",
+     .key = "surface.scan_noise",
+     .recorded = [](R o) { return kSurface(o).scanNoise.rms > 0.0; },
      .drawn = true},
     {.name = "triangles",
      .group = "Surface",

@@ -200,6 +200,35 @@ std::string roughnessText(const GrowOptions& grow) {
          (hasWindow ? "," + lengthText(grow.roughnessWindow) : "");
 }
 
+void setNoise(NoiseOptions& noise, const std::string& text) {
+  const std::vector<std::string> parts = split(text);
+  const NoiseOptions usual;
+  const auto percentIn = [](const std::string& part) -> std::optional<double> {
+    const std::optional<Length> length = lengthIn(part);
+    return length && length->voxels == 0.0 ? std::optional(length->percent) : std::nullopt;
+  };
+  const std::optional<double> rms = percentIn(parts[0]);
+  const std::optional<double> hurst = parts.size() > 1 ? numberIn(parts[1]) : usual.hurst;
+  const std::optional<double> wavelength =
+      parts.size() > 2 ? percentIn(parts[2]) : usual.wavelength;
+  const bool good = parts.size() <= 3 && rms && *rms <= 5.0 && hurst && *hurst >= 0.1 &&
+                    *hurst <= 1.0 && wavelength && *wavelength >= 0.01;
+  if (!good) {
+    refuseValue(text,
+                "P%, P%,H or P%,H,W% with P in 0..5 % of the diagonal, H in 0.1..1, and W in "
+                "0.01..100 %");
+  }
+  noise = {*rms, *hurst, *wavelength};
+}
+
+std::string noiseText(const NoiseOptions& noise) {
+  const NoiseOptions usual;
+  const bool hasWavelength = noise.wavelength != usual.wavelength;
+  const bool hasHurst = hasWavelength || noise.hurst != usual.hurst;
+  return shortestText(noise.rms) + "%" + (hasHurst ? "," + shortestText(noise.hurst) : "") +
+         (hasWavelength ? "," + shortestText(noise.wavelength) + "%" : "");
+}
+
 void setPropagation(GrowOptions& grow, const std::string& text) {
   if (text == kNone) {
     grow.propagationHurst = GrowOptions{}.propagationHurst;

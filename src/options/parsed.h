@@ -52,6 +52,10 @@ void setWritten(WriteOptions& write, const std::string& text);
 [[nodiscard]] std::string writtenText(const WriteOptions& write);
 [[nodiscard]] std::vector<std::string> writtenNames();
 
+/// P%, P%,H or P%,H,W% of the diagonal; parts that are omitted get their defaults
+void setNoise(NoiseOptions& noise, const std::string& text);
+[[nodiscard]] std::string noiseText(const NoiseOptions& noise);
+
 /// Numbers of triangles, separated by commas.
 void setTriangles(std::vector<std::size_t>& triangles, const std::string& text);
 [[nodiscard]] std::string trianglesText(const std::vector<std::size_t>& triangles);

@@ -490,10 +490,10 @@ void settle(GrownFracture& grown, const SurfaceOptions& options, const Progress*
   const Labels* const uneroded = grown.unerodedOrNull();
   if (grown.isSettled) {
     grown.exact = exactMeshes(result.solid, result.labels, uneroded, neighborhoods,
-                              options.adaptivity, progress);
+                              crackAdaptivity(options), progress);
   } else {
     grown.exact = settledExactMeshes(result.solid, result.labels, uneroded, grown.least,
-                                     neighborhoods, options.adaptivity, progress);
+                                     neighborhoods, crackAdaptivity(options), progress);
   }
   grown.isSettled = true;
 }

@@ -142,6 +142,34 @@ bool isAny(const Iterations& iterations) {
   return iterations.count > 0 || iterations.perVoxel > 0.0;
 }
 
+bool isAny(const NoiseOptions& noise) { return noise.rms > 0.0; }
+
+bool isValid(const NoiseOptions& noise) {
+  return noise.rms >= 0.0 && noise.rms <= 5.0 && noise.hurst >= 0.1 && noise.hurst <= 1.0 &&
+         noise.wavelength >= 0.01 && noise.wavelength <= 100.0;
+}
+
+void checkNoise(const SurfaceOptions& options) {
+  if (!isValid(options.mismatch) || !isValid(options.scanNoise) ||
+      !isShare(options.mismatchCommon)) {
+    throw Error(ErrorCode::usage,
+                "noise on surfaces takes an rms of 0..5 % of the diagonal, a Hurst exponent of "
+                "0.1..1, a wavelength of 0.01..100 %, and common shares of 0..1");
+  }
+  if (isAny(options.scanNoise) && options.surface == Surface::exact) {
+    throw Error(ErrorCode::usage,
+                "noise of a scan moves all vertices, and an exact surface has the input's; choose "
+                "the smooth surface",
+                OptionNames{"scan-noise", "surface"});
+  }
+  if (hasNoise(options) && options.adaptivity > 0.0) {
+    throw Error(ErrorCode::usage,
+                "noise needs vertices on every part of a surface, so faces can't be merged; omit "
+                "the adaptivity, or decimate to a number of triangles",
+                OptionNames{"adaptivity"});
+  }
+}
+
 }  // namespace
 
 bool movesAnything(const SmoothOptions& options, int longestSide) {
@@ -152,16 +180,24 @@ bool movesAnything(const SmoothOptions& options, int longestSide) {
 Surface surfaceOf(const SurfaceOptions& options) {
   if (options.surface != Surface::automatic) return options.surface;
   const bool isSmooth = !options.meshes || options.interface == Interface::independent ||
-                        isAny(options.smooth.iterations) ||
+                        options.scanNoise.rms > 0.0 || isAny(options.smooth.iterations) ||
                         isAny(options.smooth.boundaryIterations);
   return isSmooth ? Surface::smooth : Surface::exact;
+}
+
+bool hasNoise(const SurfaceOptions& options) {
+  return isAny(options.mismatch) || isAny(options.scanNoise);
+}
+
+double crackAdaptivity(const SurfaceOptions& options) {
+  return hasNoise(options) ? 0.0 : options.adaptivity;
 }
 
 bool canLackMeshes(const SurfaceOptions& options) {
   return !options.levelSets && options.surface == Surface::smooth &&
          options.interface == Interface::shared && options.adaptivity <= 0.0 &&
          options.triangles.empty() && !isAny(options.smooth.iterations) &&
-         !isAny(options.smooth.boundaryIterations);
+         !isAny(options.smooth.boundaryIterations) && !hasNoise(options);
 }
 
 bool keepsUnmerged(const SurfaceOptions& options) {
@@ -189,6 +225,7 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
       !(options.adaptivity >= 0.0 && options.adaptivity <= 1.0)) {
     throw Error(ErrorCode::usage, "the adaptivity is automatic or lies in 0..1");
   }
+  checkNoise(options);
   if (options.surface == Surface::exact &&
       (isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {
     throw Error(ErrorCode::usage, "exact surfaces take no smoothing", OptionNames{"surface"});

@@ -21,6 +21,12 @@ namespace sherd {
 void smoothTogether(std::span<LabeledMesh> meshes, const SmoothOptions& options, int longestSide,
                     const Progress* progress = nullptr);
 
+/// Returns whether vertices are displaced by SurfaceOptions::mismatch or scanNoise.
+[[nodiscard]] bool hasNoise(const SurfaceOptions& options);
+
+/// Returns the adaptivity of the cracks of exact surfaces.
+[[nodiscard]] double crackAdaptivity(const SurfaceOptions& options);
+
 /// Returns whether SurfaceOptions::meshes may be false.
 [[nodiscard]] bool canLackMeshes(const SurfaceOptions& options);
 

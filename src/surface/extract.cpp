@@ -124,6 +124,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       progress_(progress),
       intact_(options.intact),
       seed_(options.seed),
+      noise_(surface_, solid, options.seed),
       count_(static_cast<std::size_t>(labels.fragmentCount)),
       voxels_(checkedCounts(labels, solid)),
       boxes_(voxelBoxes(*solid.blocks, labels)),
@@ -133,7 +134,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
   if (surface_.surface == Surface::exact) {
     makeExact(options.exact ? std::move(*options.exact)
                             : exactMeshes(solid_, labels_, uneroded_, cut_->neighborhoods(),
-                                          surface_.adaptivity, progress_));
+                                          crackAdaptivity(surface_), progress_));
     if (surface_.surface == Surface::smooth) cutAnew();
   }
   meshedAs_.resize(count_, surface_.surface);
@@ -158,7 +159,7 @@ void Extraction::makeSmooth() {
                                                          SurfaceVertices::all, progress_);
   const bool isProcessed = simplification_.isAny() || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid_.box.longestSide()) ||
-                           !smooth_.empty();
+                           noise_.isAny() || !smooth_.empty();
   if (isProcessed) {
     processTogether(std::move(shared));
   } else {
@@ -322,6 +323,22 @@ Fragment Extraction::makeFragment(std::size_t i) {
   return fragment;
 }
 
+// Displaces surfaces whose contacts are measured.
+void Extraction::addNoise(std::span<Fragment> fragments) const {
+  CancelFlag stop(progress_);
+  tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
+    if (stop.isSet()) return;
+    Fragment& fragment = fragments[i];
+    const auto id = static_cast<std::uint16_t>(fragment.id);
+    noise_.move(fragment.mesh, id);
+    for (TriangleMesh& mesh : fragment.coarse) noise_.move(mesh, id);
+    fragment.mass = massProperties(fragment.mesh);
+    measureAreas(fragment);
+    checkFinite(fragment);
+  });
+  stop.throwIfSet();
+}
+
 // As many large fragments as threads, to limit memory; more small ones, so that the overhead of a
 // batch does not dominate.
 std::size_t Extraction::endOfBatch() const {
@@ -348,6 +365,7 @@ std::vector<Fragment> Extraction::next() {
   if (!surfaces_) {
     for (const Fragment& fragment : fragments) measure_.add(fragment);
   }
+  if (noise_.isAny()) addNoise(fragments);
   reportProgress(progress_, "extract", static_cast<double>(next_) / static_cast<double>(count_));
   return fragments;
 }

@@ -4,6 +4,7 @@
 #include <sherd/fragments.h>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "surface/exact/exact_surface.h"
 #include "surface/fragment_surfaces.h"
 #include "surface/simplify.h"
+#include "surface/surface_noise.h"
 
 namespace sherd {
 
@@ -69,6 +71,7 @@ class Extraction {
   void meshShared(Fragment& fragment);
   void cutSeams(Fragment& fragment) const;
   void meshIndependent(Fragment& fragment) const;
+  void addNoise(std::span<Fragment> fragments) const;
 
   const Solid& solid_;
   const Labels& labels_;
@@ -78,6 +81,7 @@ class Extraction {
   const Progress* const progress_;
   const std::shared_ptr<const IntactSurface> intact_;  ///< as ExtractOptions::intact
   const std::uint64_t seed_;
+  const SurfaceNoise noise_;
   const std::size_t count_;
   const std::vector<std::uint64_t> voxels_;  ///< [fragments + 1]
   const std::vector<VoxelBox> boxes_;        ///< [fragments + 1]

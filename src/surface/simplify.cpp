@@ -9,6 +9,7 @@
 #include "interface/intact.h"
 #include "remesh/decimate/decimate.h"
 #include "remesh/decimate/merge_facets.h"
+#include "remesh/smooth.h"
 
 namespace sherd {
 namespace {
@@ -57,7 +58,7 @@ std::vector<LabeledMesh> mergedPlanes(Complex complex, const GridFrame& frame,
 
 Simplification simplificationOf(const SurfaceOptions& options, const Solid& solid,
                                 const IntactSurface* intact) {
-  if (options.surface != Surface::smooth) return {};
+  if (options.surface != Surface::smooth || hasNoise(options)) return {};
   if (options.adaptivity != kAutoAdaptivity) {
     return {.error = options.adaptivity * solid.frame.voxelSize};
   }

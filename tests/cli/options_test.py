@@ -522,6 +522,8 @@ MATTERS = {
     "--sizes": ((), "uniform", "power:1.6"), "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),
     "--missing": ((), "0", "1"), "--erode-iterations": ((), "0", "1"),
     "--surface": ((), "smooth", "labels"), "--interface": ((), "shared", "independent"), "--adaptivity": ((), "0", "0.5"),
+    "--mismatch": (("--write", "mesh"), "0.1%", "0.2%,0.5,10%"), "--scan-noise": (("--write", "mesh"), "0.1%", "0.2%"),
+    "--mismatch-common": (("--mismatch", "0.1%", "--write", "mesh"), "0", "0.5"),
     "--smoothing": (("--smooth-iterations", "2"), "taubin", "laplacian"), "--smooth-iterations": ((), "1", "2"),
     "--smooth-weight": (("--smooth-iterations", "2"), "0.3", "0.4"), "--smooth-boundary-iterations": ((), "1", "2"),
     "--smooth-boundary-weight": (("--smooth-boundary-iterations", "2"), "0.3", "0.4"), "--triangles": (("--write", "mesh"), "200", "300"),

@@ -278,10 +278,12 @@ void checkWriteOptions(const WriteOptions& write, const FractureOptions& options
   const bool isShared = surface.surface == Surface::labels
                             ? !isSmoothed && surface.adaptivity == 0.0
                             : surface.interface == Interface::shared;
-  if (write.correspondences > 0 && (!isShared || !options.erode.iterations.isZero())) {
+  if (write.correspondences > 0 &&
+      (!isShared || hasNoise(surface) || !options.erode.iterations.isZero())) {
     throw Error(ErrorCode::usage,
                 "correspondences need surfaces that fragments share: not meshed independently, "
-                "not eroded, and of labels neither smoothed at the cracks nor simplified");
+                "not eroded, without noise, and of labels neither smoothed at the cracks nor "
+                "simplified");
   }
 }
 

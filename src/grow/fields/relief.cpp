@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "mesh/self_affine_noise.h"
+
 namespace sherd {
 namespace {
 
@@ -17,17 +19,11 @@ double integral(double a, double b, const std::function<double(double)>& f) {
   return sum * h / 3.0;
 }
 
-// Returns the weight of a lattice point at a distance of x spacings.
-double bump(double x) {
-  const double t = std::min(std::abs(x), 1.0);
-  return 1.0 - t * t * t * (6.0 * t * t - 15.0 * t + 10.0);
-}
-
 // Returns the correlation, averaged over phases, of value noise along one axis for independent
-// lattice values of variance 1: the autocorrelation of the bump.
+// lattice values of variance 1: the autocorrelation of the weight.
 double correlation(double x) {
   if (std::abs(x) >= 2.0) return 0.0;
-  return integral(-1.0, 1.0, [&](double u) { return bump(u) * bump(u + x); });
+  return integral(-1.0, 1.0, [&](double u) { return latticeWeight(u) * latticeWeight(u + x); });
 }
 
 // Returns the mean correlation over all pairs of points of a line of `spacings` lattice spacings;

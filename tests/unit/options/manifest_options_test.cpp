@@ -174,8 +174,8 @@ TEST_F(ManifestOptions, OfGrowthAreRecorded) {
 }
 
 TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
-  auto& [levelSets, meshes, points, surface, interface, smooth, adaptivity, triangles] =
-      options_.surface;
+  auto& [levelSets, meshes, points, surface, interface, smooth, adaptivity, mismatch,
+         mismatchCommon, scanNoise, triangles] = options_.surface;
   expectNotRecorded("levelSets", levelSets, false);  // its files say so
   expectNotRecorded("meshes", meshes, false);
   expectNotRecorded("points", points, true);
@@ -183,6 +183,12 @@ TEST_F(ManifestOptions, OfSurfacesAreRecorded) {
   expectRecorded("interface", interface, Interface::independent);
   expectRecorded("adaptivity", adaptivity, 0.5);
   expectRecorded("triangles", triangles, {100});
+  expectRecorded("scanNoise", scanNoise.rms, 0.25);
+  expectRecorded("mismatch", mismatch.rms, 0.25);
+  mismatch.rms = 0.25;  // without it there is no noise to shape
+  expectRecorded("mismatch.hurst", mismatch.hurst, 0.5);
+  expectRecorded("mismatch.wavelength", mismatch.wavelength, 7.0);
+  expectRecorded("mismatchCommon", mismatchCommon, 0.5);
   auto& [iterations, weight, boundaryIterations, boundaryWeight, method] = smooth;
   expectRecorded("iterations", iterations, {3});
   expectRecorded("iterations", iterations, {.perVoxel = 0.5});

@@ -1,0 +1,144 @@
+// Noise on the surfaces of fragments.
+#include "surface/surface_noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "base/random.h"
+#include "mesh/vertex_normals.h"
+#include "voxelize/region.h"
+
+namespace sherd {
+namespace {
+
+// Waves shorter than this are not made: meshes have vertices about a voxel apart.
+constexpr double kShortestVoxels = 1.0;
+
+// At the contact boundary the mismatch falls to nothing over this many voxels, and this many times
+// its rms: between a boundary's vertices and the next ones, and never steeper than that.
+constexpr double kFadeVoxels = 1.0, kFadeOfRms = 3.0;
+
+constexpr std::uint16_t kOriginal = 0, kBoundary = 0xffff;
+
+double diagonalVoxels(const Solid& solid) {
+  if (solid.region) return glm::length(solid.region->sides());
+  const openvdb::Coord dims = solid.box.dims();
+  return glm::length(glm::dvec3(dims.x(), dims.y(), dims.z()));
+}
+
+std::optional<SelfAffineShape> shapeOf(const NoiseOptions& noise, double diagonal) {
+  if (noise.rms == 0.0) return {};
+  return SelfAffineShape{.rms = noise.rms / 100.0 * diagonal,
+                         .hurst = noise.hurst,
+                         .longest = noise.wavelength / 100.0 * diagonal,
+                         .shortest = kShortestVoxels};
+}
+
+// Returns [vertices] the neighbor that all faces of a vertex have, or kBoundary.
+std::vector<std::uint16_t> contactsOf(const TriangleMesh& mesh) {
+  std::vector<std::uint16_t> contact(mesh.vertices.size(), kOriginal);
+  std::vector<bool> isMet(mesh.vertices.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.triangles[t][k];
+      if (isMet[v] && contact[v] != mesh.neighborOf(t)) contact[v] = kBoundary;
+      if (!isMet[v]) contact[v] = mesh.neighborOf(t);
+      isMet[v] = true;
+    }
+  }
+  return contact;
+}
+
+// Returns [vertices] how far a vertex within a contact is from its boundary along the edges of its
+// faces, voxels; infinite beyond `most`.
+std::vector<double> toBoundary(const TriangleMesh& mesh, const std::vector<std::uint16_t>& contact,
+                               double voxelSize, double most) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;  // from every vertex, both ways
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.neighborOf(t) == kOriginal) continue;
+    const glm::uvec3& corner = mesh.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      edges.emplace_back(corner[k], corner[(k + 1) % 3]);
+      edges.emplace_back(corner[(k + 1) % 3], corner[k]);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  using Reached = std::pair<double, std::uint32_t>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
+  std::vector<double> distance(contact.size(), std::numeric_limits<double>::infinity());
+  const auto reach = [&](std::uint32_t v, double from) {
+    if (!(from <= most && from < distance[v])) return;
+    distance[v] = from;
+    queue.emplace(from, v);
+  };
+  for (std::uint32_t v = 0; v < contact.size(); ++v) {
+    if (contact[v] == kBoundary) reach(v, 0.0);
+  }
+  while (!queue.empty()) {
+    const auto [from, v] = queue.top();
+    queue.pop();
+    if (from > distance[v]) continue;
+    auto edge = std::lower_bound(edges.begin(), edges.end(), std::pair(v, std::uint32_t{0}));
+    for (; edge != edges.end() && edge->first == v; ++edge) {
+      const glm::dvec3 way = mesh.vertices[edge->second] - mesh.vertices[v];
+      reach(edge->second, from + glm::length(way) / voxelSize);
+    }
+  }
+  return distance;
+}
+
+// Returns 0 at 0, 1 from 1 on, with a continuous slope.
+double faded(double x) { return x >= 1.0 ? 1.0 : x * x * (3.0 - 2.0 * x); }
+
+}  // namespace
+
+SurfaceNoise::SurfaceNoise(const SurfaceOptions& options, const Solid& solid, std::uint64_t seed)
+    : frame_(solid.frame), seed_(seed) {
+  const double diagonal = diagonalVoxels(solid);
+  cracks_ = shapeOf(options.mismatch, diagonal);
+  all_ = shapeOf(options.scanNoise, diagonal);
+  ownShare_ = std::sqrt(1.0 - options.mismatchCommon);
+  commonShare_ = std::sqrt(options.mismatchCommon);
+  if (cracks_ && commonShare_ > 0.0) {
+    common_.emplace(*cracks_, randomBits(seed, Stage::mismatch, 0));
+  }
+}
+
+void SurfaceNoise::move(TriangleMesh& mesh, std::uint16_t id) const {
+  if (cracks_) moveCracks(mesh, id);
+  if (all_) moveAll(mesh, id);
+}
+
+void SurfaceNoise::moveCracks(TriangleMesh& mesh, std::uint16_t id) const {
+  const std::vector<std::uint16_t> contact = contactsOf(mesh);
+  const double fade = std::max(kFadeVoxels, kFadeOfRms * cracks_->rms);
+  const std::vector<double> distance = toBoundary(mesh, contact, frame_.voxelSize, fade);
+  const SelfAffineNoise own(*cracks_, randomBits(seed_, Stage::mismatch, id));
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  for (std::size_t v = 0; v < contact.size(); ++v) {
+    if (contact[v] == kOriginal || contact[v] == kBoundary) continue;
+    const glm::dvec3 at = frame_.indexFromWorld(mesh.vertices[v]);
+    double height = ownShare_ * own.at(at);
+    // Outwards for the one is inwards for the other.
+    if (common_) height += (id < contact[v] ? 1.0 : -1.0) * commonShare_ * common_->at(at);
+    mesh.vertices[v] += faded(distance[v] / fade) * height * frame_.voxelSize * normals[v];
+  }
+}
+
+void SurfaceNoise::moveAll(TriangleMesh& mesh, std::uint16_t id) const {
+  const SelfAffineNoise noise(*all_, randomBits(seed_, Stage::scanNoise, id));
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const double height = noise.at(frame_.indexFromWorld(mesh.vertices[v]));
+    mesh.vertices[v] += height * frame_.voxelSize * normals[v];
+  }
+}
+
+}  // namespace sherd
