@@ -229,7 +229,10 @@ enum class ErodeShape { cross, square, ellipse };
 /// Which voxels of a fragment's shell can erode.
 enum class ErodeOn {
   fracture,  ///< those that touch another fragment or an eroded voxel
-  all        ///< all, the original surface included
+  all,       ///< all, the original surface included
+  rims       ///< as fracture, but cells outside the solid are empty: where cracks meet the original
+             ///< surface less is filled than within, so that rims wear first, as handled sherds do.
+             ///< A threshold just below the filled share of a plane, as 0.6, wears rims alone
 };
 
 /// What happens to the smaller components of a fragment that erosion disconnects.
@@ -271,7 +274,7 @@ struct Erosion {
 /// the same fragment.  With ErodeOn::fracture only shell voxels are tested that have an inside
 /// voxel of another fragment, an eroded voxel or an unlabeled one among their 26 neighbors, and
 /// cells outside the solid count as filled, so the original surface does not move away from the
-/// cracks.
+/// cracks; with ErodeOn::rims the same voxels are tested, and these cells are empty.
 ///
 /// A fragment never disappears: an iteration that would leave less than ErodeOptions::least of it
 /// is skipped for it; one that had less is not eroded.

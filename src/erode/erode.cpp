@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -134,8 +135,11 @@ class Halo {
 class Eroder {
  public:
   Eroder(const LeafBlocks& blocks, const ErodeOptions& options, const ErosionPasses& passes)
-      : blocks_(blocks), rule_(ruleOf(options, passes)) {
-    if (options.on == ErodeOn::fracture) solidNeighbors_ = leafNeighbors(blocks.origins);
+      : blocks_(blocks),
+        rule_(ruleOf(options, passes)),
+        testsCracks_(options.on != ErodeOn::all),
+        fillsOutside_(options.on == ErodeOn::fracture) {
+    if (testsCracks_) solidNeighbors_ = leafNeighbors(blocks.origins);
   }
 
   // Returns the voxels that an iteration erodes: [n] masks.
@@ -154,16 +158,20 @@ class Eroder {
  private:
   LeafMask erodedInLeaf(const FragmentMasks& fragment, std::size_t i, const LeafMask& shell,
                         int iteration) const {
-    const Halo halo(filledAround(fragment, i), rule_.reach);
+    const std::array<LeafMask, 27> filled = filledAround(fragment, i);
+    const Halo near(testsCracks_ ? withOutside(filled, fragment, i) : filled, rule_.reach);
+    std::optional<Halo> own;
+    if (testsCracks_ && !fillsOutside_) own.emplace(filled, rule_.reach);
+    const Halo& counted = own ? *own : near;
     LeafMask eroded{};
     for (int x = 0; x < 8; ++x) {
       for (int y = 0; y < 8; ++y) {
         const std::uint64_t row = shell[static_cast<std::size_t>(x)] >> (8 * y);
-        for (std::uint32_t zs = static_cast<std::uint32_t>(row & 0xff) & halo.nearEmpty(x, y); zs;
+        for (std::uint32_t zs = static_cast<std::uint32_t>(row & 0xff) & near.nearEmpty(x, y); zs;
              zs &= zs - 1) {
           const int z = std::countr_zero(zs);
           if (!isDrawn(rule_, iteration, fragment.origins[i] + openvdb::Coord(x, y, z))) continue;
-          if (isEroded(halo, x, y, z)) {
+          if (isEroded(counted, x, y, z)) {
             eroded[static_cast<std::size_t>(x)] |= std::uint64_t{1} << (8 * y + z);
           }
         }
@@ -179,12 +187,19 @@ class Eroder {
     return false;
   }
 
-  std::array<LeafMask, 27> filledAround(const FragmentMasks& fragment, std::size_t i) const {
+  static std::array<LeafMask, 27> filledAround(const FragmentMasks& fragment, std::size_t i) {
     std::array<LeafMask, 27> filled{};
     for (std::size_t k = 0; k < 27; ++k) {
       const std::uint32_t neighbor = fragment.neighbors[i][k];
       if (neighbor != LeafBlocks::kNone) filled[k] = fragment.masks[neighbor];
-      if (solidNeighbors_.empty()) continue;
+    }
+    return filled;
+  }
+
+  // Fills what is outside the solid.
+  std::array<LeafMask, 27> withOutside(std::array<LeafMask, 27> filled,
+                                       const FragmentMasks& fragment, std::size_t i) const {
+    for (std::size_t k = 0; k < 27; ++k) {
       const std::uint32_t leaf = solidNeighbors_[fragment.leaf[i]][k];
       for (std::size_t x = 0; x < 8; ++x) {
         filled[k][x] |= leaf == LeafBlocks::kNone
@@ -197,8 +212,9 @@ class Eroder {
 
   const LeafBlocks& blocks_;
   Rule rule_;
-  // Of the solid's leaves; empty if voxels outside the solid count as empty.
-  std::vector<LeafNeighbors> solidNeighbors_;
+  bool testsCracks_ = false;                   // only voxels near a crack are tested
+  bool fillsOutside_ = false;                  // cells outside the solid are filled
+  std::vector<LeafNeighbors> solidNeighbors_;  // of the solid's leaves, if cracks are tested
 };
 
 // Labels voxels of a fragment as eroded; returns their number.

@@ -326,7 +326,11 @@ const Row kErosionRows[]{
     {.name = "erode-on",
      .group = "Erosion",
      .value = V::choice(kErode, &ErodeOptions::on, names::kErodeOn),
-     .help = "Erode fracture surfaces only, or the original surface too",
+     .help = "Erode fracture surfaces only, the original surface too, or cracks with their rims "
+             "first",
+     .details =
+         "erode fracture surfaces only; the original surface too; or voxels at cracks, where cells "
+         "outside the object are empty, so that rims wear first: with a threshold of 0.6 only rims",
      .key = "erode.on",
      .recorded = erodes,
      .drawn = true},

@@ -59,10 +59,10 @@ FractureOptions materialOptions(MaterialPreset material, FractureOptions options
     case MaterialPreset::none:
       break;
     case MaterialPreset::ceramic:
-      setRelief(grow, 0.2, 0.8);
+      setRelief(grow, 0.7, 0.8);
       break;
     case MaterialPreset::stone:
-      setRelief(grow, 1.5, 0.8);
+      setRelief(grow, 1.0, 0.8);
       break;
     case MaterialPreset::glass:
       grow.split = {.power = 1.0, .offset = 0.25, .tilt = 60.0};
@@ -75,14 +75,15 @@ FractureOptions materialOptions(MaterialPreset material, FractureOptions options
       break;
     case MaterialPreset::plaster:
       setRelief(grow, 0.4, 0.8);
-      setWear(options.erode, 1.4, 4.0, 0.72, 1.0);
+      setWear(options.erode, 1.4, 4.0, 0.6, 1.0);
+      options.erode.on = ErodeOn::rims;
       break;
     case MaterialPreset::wood:
       setRelief(grow, 0.8, 0.5, 1.0);
       grow.anisotropy = {kUp, 7.0};
       break;
     case MaterialPreset::concrete:
-      setRelief(grow, 0.4, 0.75, 0.6);
+      setRelief(grow, 0.32, 0.75, 0.6);
       grow.roughnessWindow = Length::ofSide(2.0);
       setWear(options.erode, 1.2, 3.0, 0.75, 0.35);
       break;

@@ -161,7 +161,7 @@ inline ErodeOptions anyErosion(Draw& draw) {
   options.iterations = draw.of({0, 1, 2, 5, 20});
   if (draw.oneIn(2)) options.threshold = draw.between(0.001, 1.0);
   if (draw.oneIn(2)) options.probability = draw.between(0.001, 1.0);
-  options.on = draw.of({ErodeOn::fracture, ErodeOn::all});
+  options.on = draw.of({ErodeOn::fracture, ErodeOn::all, ErodeOn::rims});
   options.islands = draw.of({Islands::eroded, Islands::kept});
   options.seed = draw.seed();
   return options;

@@ -12,7 +12,7 @@ inline constexpr const char* kSampler[] = {"uniform", "halton", "gaussian", "poi
 inline constexpr const char* kSeedsOn[] = {"auto", "volume", "surface", "wall"};
 inline constexpr const char* kSizes[] = {"grown", "uniform", "lognormal", "power", "exponential"};
 inline constexpr const char* kErodeShape[] = {"cross", "square", "ellipse"};
-inline constexpr const char* kErodeOn[] = {"fracture", "all"};
+inline constexpr const char* kErodeOn[] = {"fracture", "all", "rims"};
 inline constexpr const char* kIslands[] = {"erode", "keep"};
 inline constexpr const char* kMaterial[] = {"none",    "ceramic", "stone",    "glass", "tempered",
                                             "plaster", "wood",    "concrete", "ice"};

@@ -70,12 +70,12 @@ TEST_F(Erode, EqualsTheReferenceForEveryShape) {
     for (const auto shape : {ErodeShape::cross, ErodeShape::square, ErodeShape::ellipse}) {
       for (int size = 3; size <= 13; size += 2) {
         for (const bool planes : {false, true}) {
-          for (const auto on : {ErodeOn::fracture, ErodeOn::all}) {
+          for (const auto on : {ErodeOn::fracture, ErodeOn::all, ErodeOn::rims}) {
             for (const double threshold : {1.0, 0.6}) {
               SCOPED_TRACE(testing::Message()
                            << solid.name << ", shape " << static_cast<int>(shape) << " of " << size
-                           << (planes ? " in planes" : "") << ", threshold " << threshold
-                           << (on == ErodeOn::all ? ", all" : ", fracture"));
+                           << (planes ? " in planes" : "") << ", threshold " << threshold << ", on "
+                           << static_cast<int>(on));
               expectAsReference(solid, {.shape = shape,
                                         .size = size,
                                         .planes = planes,
