@@ -13,6 +13,7 @@ from ._library import Mesh, Solids
 from ._options import ROWS, SOLID, VOXELIZE
 from ._order import Slot, generator, hashed
 from ._solid import Solid
+from ._voxel_layouts import VOXEL_LAYOUTS, volume_of
 
 _MOST_FAILURES = 1000  # attempts in a row
 _MOST_CYCLES = 50  # without an item, when most meshes are known to fail
@@ -26,7 +27,7 @@ class Breaker:
     Parameters
     ----------
     layout : str
-        A key of `LAYOUTS`.
+        A key of `LAYOUTS` or `VOXEL_LAYOUTS`.
     points : int, optional
         Points of an item or of a fragment; by default the layout's.
     cache_bytes : int
@@ -40,8 +41,9 @@ class Breaker:
     def __init__(self, meshes: list[Mesh], options: Drawn, layout: str, points: int | None, cache_bytes: int, device: str, skips: bool,
                  cycle: int) -> None:  # fmt: skip
         self.layout = layout
-        self._layout = _layouts.LAYOUTS[layout]
-        self.points = points or self._layout.points
+        self._layout = _layouts.LAYOUTS.get(layout)
+        self._voxels = VOXEL_LAYOUTS.get(layout)
+        self.points = points or (self._layout.points if self._layout else 0)
         self.skipped: dict[str, int] = {}
         self._options, self._meshes, self._device, self._skips, self._cycle = options, meshes, device, skips, cycle
         self._check()
@@ -54,12 +56,25 @@ class Breaker:
         return {**self.__dict__, "solids": self.solids.emptied()}
 
     def _check(self) -> None:
-        most, least = self._layout.fragments, self._layout.least
         low, high = self._options.pieces
+        if self._layout is None:
+            if self.points:
+                raise UsageError(f"points: layout {self.layout} has voxels and no points")
+            if self.layout == "completion" and low < 2:
+                raise UsageError("pieces: layout completion takes one of 2 fragments or more away")
+            return self._check_solids()
+        most, least = self._most, self._layout.least
         if most and not 2 <= low <= high <= most:
             raise UsageError(f"pieces: layout {self.layout} holds 2 to {most} fragments, not {low if low < 2 else high}")
         if self._layout.counts is not _layouts.equal_counts and self.points < most * least:
             raise UsageError(f"points: layout {self.layout} needs at least {most * least}, {least} for each of {most} fragments")
+        self._check_solids()
+
+    @property
+    def _most(self) -> int:
+        return self._layout.fragments if self._layout else 0
+
+    def _check_solids(self) -> None:
         given, solids = dict(self._options.of_solids), [mesh.given._core for mesh in self._meshes if isinstance(mesh.given, Solid)]
         for name in given:
             if solids and name in _SOLID_NAMES:
@@ -102,10 +117,15 @@ class Breaker:
         return next(break_solid(core, texts, [(pieces, slot.seed)], self._device, None))
 
     def _sampled(self, slot: Slot, f: Fracture) -> dict[str, Any]:
-        mesh = self._meshes[slot.mesh]
-        return self._layout.make(_layouts.sample_of(
-            f, self._layout, self.points, self._options.of_points, self.solids[slot.mesh].surface_box, number=slot.number, mesh=slot.mesh,
-            seed=slot.seed, name=f"{mesh.key}/fractured_{slot.number}", random=generator(hashed("pose", slot.seed))))  # fmt: skip
+        named: dict[str, Any] = {
+            "number": slot.number, "mesh": slot.mesh, "seed": slot.seed, "name": f"{self._meshes[slot.mesh].key}/fractured_{slot.number}",
+            "random": generator(hashed("pose", slot.seed)),
+        }  # fmt: skip
+        if self._layout is None:
+            assert self._voxels is not None
+            return self._voxels.make(volume_of(f, self._options.side, **named))
+        box = self.solids[slot.mesh].surface_box
+        return self._layout.make(_layouts.sample_of(f, self._layout, self.points, self._options.of_points, box, **named))
 
     def _tried(self, slot: Slot, made: Callable[[Slot, Fracture], Any]) -> Any:
         """Returns what is made of a fracture; None if it is left out."""
@@ -129,12 +149,12 @@ class Breaker:
 
     def _check_solid(self, mesh: int) -> None:
         core = self.solids[mesh]
-        if self._layout.fragments and core.components > self._layout.fragments:
+        if self._most and core.components > self._most:
             key = self._meshes[mesh].key.replace("{", "{{").replace("}", "}}")
             self._check_count(core.components, f"{key}: has {{}} connected components")
 
     def _check_count(self, count: int, sentence: str) -> None:
-        most = self._layout.fragments
+        most = self._most
         if most and not 2 <= count <= most:
             raise InputError(f"{sentence.format(count)}, and layout {self.layout} holds 2 to {most}")
 

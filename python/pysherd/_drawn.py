@@ -84,6 +84,12 @@ class Drawn:
         return [option for option in self._fixed if option[0] in names]
 
     @property
+    def side(self) -> int:
+        """The voxels along the longest side, 0 where each mesh has its own."""
+        text = dict(self._fixed).get("resolution", "")
+        return int(text) if text.isdigit() else 0
+
+    @property
     def pieces(self) -> tuple[int, int]:
         """The fewest pieces and the most."""
         for name, text in self._ranges:

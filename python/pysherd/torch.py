@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
-from typing import Any, Iterator, Mapping, Sequence
+from typing import Any, Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -34,7 +34,9 @@ from ._library import library_of
 from ._options import ROWS, documented_text
 from ._order import Order, Share, given_ranks, items_of_rank, share_of
 from ._solid import DEVICE, checked_device
+from ._splits import SPLITS, meshes_of_split, ratio_of
 from ._values import flag, shown, whole, word
+from ._voxel_layouts import VOXEL_LAYOUTS
 
 __all__ = ["FractureDataset", "collate", "collate_fragments"]
 
@@ -59,13 +61,21 @@ class FractureDataset(IterableDataset[Any]):
     layout : str
         Keys, shapes and dtypes of an item: ``"points"`` and ``"fragments"`` of our own, or those of the loaders of published
         networks: ``"garf"`` (GARF), ``"rpf"`` (Rectified Point Flow), ``"pfpp"`` (PuzzleFusion++), ``"jigsaw"`` (Jigsaw),
-        ``"mpa"`` (multi_part_assembly).
+        ``"mpa"`` (multi_part_assembly).  Volumes of voxels are ``"voxels"``, with the labels of all fragments, and
+        ``"completion"``, an object without one of its fragments, that fragment, and the whole.
     points : int, optional
         Points of an item, by the fragments' areas; of ``"fragments"``, ``"pfpp"`` and ``"mpa"`` points of each fragment.  The
         default is the loader's: 5000 or 1000; of ``"fragments"`` 1024.
     items : int, optional
         Items of an epoch in all processes; each rank has ``items // world_size``, at least 1.  They have the numbers 0 to ``items - 1``, less
         what the ranks do not divide, whatever the processes.  By default the stream is endless.
+    split : str, optional
+        ``"train"``, ``"val"`` or ``"test"``: only the meshes of this part, the same as ``sherd dataset --split`` has in it.  With
+        `items` given, and `set_epoch` not called, those of ``"val"`` are the same each time.
+    splits : str
+        The ratio of the three parts.
+    transform : callable, optional
+        Is given each item, in the worker that made it, and returns what takes its place.
     seed : int
         Of all random choices.
     repeats : int
@@ -109,6 +119,9 @@ class FractureDataset(IterableDataset[Any]):
         layout: str = "points",
         points: int | None = None,
         items: int | None = None,
+        split: str | None = None,
+        splits: str = "80/10/10",
+        transform: Callable[[dict[str, Any]], Any] | None = None,
         seed: int = 0,
         repeats: int = 8,
         mix: int = 16,
@@ -121,7 +134,7 @@ class FractureDataset(IterableDataset[Any]):
         world_size: int | None = None,
         **options: Any,
     ) -> None:
-        word("layout", layout, LAYOUTS)
+        word("layout", layout, [*LAYOUTS, *VOXEL_LAYOUTS])
         word("on_error", on_error, ("skip", "raise"))
         self._items = None if items is None else whole("items", items, 1, _MOST_NUMBER)
         self._threads = None if threads is None else whole("threads", threads, 0, 4096)
@@ -129,7 +142,12 @@ class FractureDataset(IterableDataset[Any]):
         self._known_ranks: tuple[int, int] | None = None
         if self._items is not None:
             items_of_rank(self._items, self._ranks()[1])  # is there one?
+        if transform is not None and not callable(transform):
+            raise UsageError(f"transform: {shown(transform)} is no function")
+        self._transform = transform
         self._options, meshes = Drawn(options), library_of(meshes)
+        if split is not None:
+            meshes = meshes_of_split(meshes, word("split", split, SPLITS), ratio_of(splits))
         self._order = Order(len(meshes), whole("seed", seed, 0, 2**64 - 1), whole("repeats", repeats, 1, 2**32), whole("mix", mix, 1, 2**32),
                             flag("shuffle", shuffle))  # fmt: skip
         self._breaker = Breaker(meshes, self._options, layout, None if points is None else whole("points", points, 1, _MOST_POINTS),
@@ -181,7 +199,7 @@ class FractureDataset(IterableDataset[Any]):
             item = self._breaker.item(self._order.attempts(epoch, number))
             position += 1
             self._reached = self._state(epoch, share, position)
-            yield item
+            yield item if self._transform is None else self._transform(item)
 
     def fracture(self, index: int, epoch: int | None = None) -> Fracture:
         """Breaks a mesh as for an item, of which the layout may not hold all: its meshes, its image.
