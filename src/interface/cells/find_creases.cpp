@@ -127,13 +127,11 @@ class Creases::Finding {
     return out;
   }
 
-  void stepBack(CreaseVertex& vertex) {
+  static void stepBack(CreaseVertex& vertex) {
     if (vertex.at != vertex.inCell) {
       vertex.at = vertex.inCell;
-      ++to_.movedBack_;
     } else {
       vertex.edges = 0;
-      ++to_.reverted_;
     }
   }
 
