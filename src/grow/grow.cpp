@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/finite.h"
 #include "base/text/formatted.h"
 #include "grow/fields/apart_leaves.h"
 #include "grow/fields/check_labels.h"
@@ -37,9 +38,7 @@ std::int32_t nearestAxis(const glm::dvec3& direction) {
   return std::abs(direction.x) == most ? 0 : std::abs(direction.y) == most ? 1 : 2;
 }
 
-bool isDirection(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && largestOf(v) > 0.0;
-}
+bool isDirection(const glm::dvec3& v) { return isFinite(v) && largestOf(v) > 0.0; }
 
 void check(const GrowOptions& options) {
   const auto need = [](bool good, const char* sentence) {

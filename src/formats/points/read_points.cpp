@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "base/files/file_bytes.h"
+#include "base/finite.h"
 #include "base/input_error.h"
 #include "base/text/lower_case.h"
 #include "base/text/option_names.h"
@@ -28,8 +29,7 @@ void hold(GrowingMemory& memory, const SurfacePoints& points) {
 
 void requireFinite(const SurfacePoints& points, const std::string& name) {
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
-    const glm::dvec3& p = points.positions[i];
-    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+    if (isFinite(points.positions[i])) continue;
     inputError(name, "point " + std::to_string(i + 1) + " is not finite");
   }
 }

@@ -4,16 +4,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/sort_unique.h"
+
 namespace sherd {
-namespace {
-
-template <class T>
-void sortUnique(std::vector<T>& all) {
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-}
-
-}  // namespace
 
 CollapsingMesh::CollapsingMesh(const Complex& complex)
     : faces_(complex.faces),
