@@ -138,7 +138,7 @@ bool areValid(const Iterations& iterations) {
 
 bool isShare(double weight) { return weight >= 0.0 && weight <= 1.0; }
 
-bool isAny(const Iterations& iterations) {
+bool smooths(const Iterations& iterations) {
   return iterations.count > 0 || iterations.perVoxel > 0.0;
 }
 
@@ -152,16 +152,16 @@ bool movesAnything(const SmoothOptions& options, int longestSide) {
 Surface surfaceOf(const SurfaceOptions& options) {
   if (options.surface != Surface::automatic) return options.surface;
   const bool isSmooth = !options.meshes || options.interface == Interface::independent ||
-                        isAny(options.smooth.iterations) ||
-                        isAny(options.smooth.boundaryIterations);
+                        smooths(options.smooth.iterations) ||
+                        smooths(options.smooth.boundaryIterations);
   return isSmooth ? Surface::smooth : Surface::exact;
 }
 
 bool canLackMeshes(const SurfaceOptions& options) {
   return !options.levelSets && options.surface == Surface::smooth &&
          options.interface == Interface::shared && options.adaptivity <= 0.0 &&
-         options.triangles.empty() && !isAny(options.smooth.iterations) &&
-         !isAny(options.smooth.boundaryIterations);
+         options.triangles.empty() && !smooths(options.smooth.iterations) &&
+         !smooths(options.smooth.boundaryIterations);
 }
 
 bool keepsUnmerged(const SurfaceOptions& options) {
@@ -177,8 +177,8 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
     throw Error(ErrorCode::usage,
                 "smoothing takes weights of 0..1, and 0..1000 iterations or 0..1 a voxel");
   }
-  const double largest = std::max(isAny(smooth.iterations) ? smooth.weight : 0.0,
-                                  isAny(smooth.boundaryIterations) ? smooth.boundaryWeight : 0.0);
+  const double largest = std::max(smooths(smooth.iterations) ? smooth.weight : 0.0,
+                                  smooths(smooth.boundaryIterations) ? smooth.boundaryWeight : 0.0);
   if (smooth.method == Smoothing::taubin && largest > kMostTaubinWeight) {
     throw Error(ErrorCode::usage,
                 "Taubin's smoothing takes weights of 0..2/3, or short waves grow; more needs "
@@ -190,7 +190,7 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
     throw Error(ErrorCode::usage, "the adaptivity is automatic or lies in 0..1");
   }
   if (options.surface == Surface::exact &&
-      (isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {
+      (smooths(smooth.iterations) || smooths(smooth.boundaryIterations))) {
     throw Error(ErrorCode::usage, "exact surfaces take no smoothing", OptionNames{"surface"});
   }
   if (!options.meshes && !canLackMeshes(options)) {

@@ -42,7 +42,7 @@ class Creases {
   [[nodiscard]] std::span<const KnownCrossing> crossings(const openvdb::Coord& origin) const;
 
  private:
-  class Finding;
+  class Finder;
 
   // Returns the index of a leaf in origins_, or their number.
   [[nodiscard]] std::size_t indexOf(const openvdb::Coord& origin) const;

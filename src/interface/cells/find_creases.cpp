@@ -19,10 +19,10 @@
 
 namespace sherd {
 
-class Creases::Finding {
+class Creases::Finder {
  public:
-  Finding(Creases& to, const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
-          KeepCrossings keep)
+  Finder(Creases& to, const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
+         KeepCrossings keep)
       : to_(to),
         keep_(keep),
         solid_(solid),
@@ -235,7 +235,7 @@ class Creases::Finding {
 Creases::Creases(const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
                  const Progress* progress, KeepCrossings keep) {
   if (solid.region == nullptr || solid.region->boundary() == nullptr) return;
-  Finding(*this, solid, neighborhoods, keep).find(progress);
+  Finder(*this, solid, neighborhoods, keep).find(progress);
 }
 
 }  // namespace sherd

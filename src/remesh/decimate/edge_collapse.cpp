@@ -8,7 +8,7 @@
 
 namespace sherd {
 
-CollapsingMesh::CollapsingMesh(const Complex& complex)
+CollapsingMesh::CollapsingMesh(const LabeledComplex& complex)
     : faces_(complex.faces),
       around_(complex.vertices.size()),
       labels_(complex.labels),
