@@ -494,7 +494,7 @@ class Commands(CommandLine):
         write_obj(folder / "ring.obj", ([(-1, 0.2, -1), (1, 0.2, -1), (1, 0.2, 1), (-1, 0.2, 1)], [(0, 1, 2), (0, 2, 3)]))
         ran = set()
         for page, words in written_commands():
-            if page in ("docs/tour.md", "docs/gallery.md", "docs/paper.md") or "/history/" in page or "/scratch/fragments" in words:
+            if page in ("docs/tour.md", "docs/gallery.md", "docs/paper.md") or "/scratch/fragments" in words:
                 continue
             small = ["--max-fragments", "4"] if words[0] == "dataset" and "--repeats" not in words else []
             if "--resolution" not in words:
