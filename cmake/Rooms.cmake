@@ -120,7 +120,7 @@ sherd_room(sherd_folders dataset
 sherd_room(sherd_cli cli/terminal
   foreign_exit held_files interrupts output_path overall_progress progress_events progress_line uncaught worker_threads)
 sherd_room(sherd_cli cli/arguments
-  command_line config_arguments config_file former_names machine_options nearest_name option_text table_options)
+  command_line config_arguments config_file machine_options nearest_name option_text table_options)
 sherd_room(sherd_cli cli/evaluate evaluate_csv evaluate_json evaluate_table statistics_json statistics_table)
 sherd_room(sherd_cli cli/doctor doctor_command doctor_device doctor_host)
 sherd_room(sherd_cli cli

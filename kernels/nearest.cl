@@ -11,6 +11,7 @@
 //
 // One work-item takes items i, i + all, ... (item = fracture * leafCount + leaf); any work-group size.
 // Reference: tests/kernels/growths_test.cpp, bit for bit.
+// Source: Aurenhammer, Power Diagrams: Properties, Algorithms and Applications, 1987.
 
 // All points are in steps of 1/64 voxel (SHERD_SEED_BITS).
 #define NEAREST_VOXEL (1 << SHERD_SEED_BITS)

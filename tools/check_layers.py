@@ -4,11 +4,12 @@
 usage: check_layers.py [--svg FILE]
 
 Prints the graph: for each folder those it includes, with the number of #include lines.  A public header counts as the lowest folder
-that knows its types.  Ends with status 1 where an edge points up, two units (a header with its source) include each other on any way, a
-folder has too many files, the program includes what is neither public nor in base/, a folder or a header is not listed, there are too
+that knows its types.  Ends with status 1 where an edge points up, two units (a header with its source) include each other on any way, two
+modules of a Python package import each other, a folder has too many files, the program includes what is neither public nor in base/, a folder or a header is not listed, there are too
 many headers, or the diagram in docs/images/rooms.svg does not match this graph; --svg writes it.
 """
 import argparse
+import ast
 import collections
 import pathlib
 import re
@@ -65,6 +66,7 @@ def included_room(include):
 
 MOST_HEADERS = 17  # besides sherd.h: one concept each
 MOST_FILES = 30  # of a room: what one person can keep in mind
+PACKAGES = ["python/pysherd", "tools/blender/sherd_fracture"]
 MANY_FORMATS = {"formats/mesh"}  # what the readers and writers of meshes share
 
 
@@ -107,8 +109,22 @@ def read_units():
     return units
 
 
-def circles(units):
-    """Returns a sentence for each set of units that include each other."""
+def read_modules():
+    """Returns {module: modules that it imports}, also where a function imports them; a module being a path without its suffix."""
+    modules = collections.defaultdict(set)
+    for file in (file for package in PACKAGES for file in (ROOT / package).glob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if not isinstance(node, ast.ImportFrom) or node.level != 1:
+                continue
+            for name in [node.module] if node.module else [alias.name for alias in node.names]:
+                other = file.with_name(f"{name.split('.')[0]}.py")
+                if other != file and other.is_file():
+                    modules[str(file.relative_to(ROOT).with_suffix(""))].add(str(other.relative_to(ROOT).with_suffix("")))
+    return modules
+
+
+def circles(units, verb):
+    """Returns a sentence for each set of units that include or import each other."""
     below = {}
 
     def reached(unit):
@@ -123,7 +139,7 @@ def circles(units):
     for unit in units:
         below[unit] = reached(unit)
     rings = {tuple(sorted({unit} | {o for o in below[unit] if unit in below.get(o, ())})) for unit in units if unit in below[unit]}
-    return [f"{', '.join(ring)} include each other" for ring in sorted(rings)]
+    return [f"{', '.join(ring)} {verb} each other" for ring in sorted(rings)]
 
 
 def crowded():
@@ -173,7 +189,7 @@ def main():
     parser.add_argument("--svg", metavar="FILE", type=pathlib.Path, help="write the drawing")
     arguments = parser.parse_args()
     edges, faults = read_graph()
-    faults += circles(read_units()) + crowded()
+    faults += circles(read_units(), "include") + circles(read_modules(), "import") + crowded()
     for room in ROOMS:
         below = [f"{other} {edges[room, other]}" for other in ROOMS if edges[room, other]]
         print(f"{room}: {', '.join(below) or 'nothing'}")

@@ -92,9 +92,9 @@ struct ReadOptions {
 ///
 /// Surface attributes are read too: texture coordinates (the first set; that of the base color in
 /// glTF), vertex and face colors (without alpha), normals of vertices or corners, materials with
-/// names, base colors and base-color textures, and the face property `neighbor` of fragments in PLY
-/// (`facing` in sherd/1).  Material libraries and textures are read only from the mesh's folder and
-/// below it, after resolving symbolic links; `warnings` lists missing ones.
+/// names, base colors and base-color textures, and the face property `neighbor` of fragments in
+/// PLY.  Material libraries and textures are read only from the mesh's folder and below it, after
+/// resolving symbolic links; `warnings` lists missing ones.
 ///   progress  only `cancelled` is called
 ///   throws    Error(input) absent, unreadable, truncated, malformed, unknown format, no triangle,
 ///             no finite vertex, more than 1e37 units long, more memory than `options` allow;

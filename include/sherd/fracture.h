@@ -213,7 +213,7 @@ enum class MeshesHeld {
 
 /// Estimates the bytes that breaking a mesh takes at most, the mesh and the files' bytes included,
 /// from the mesh's area and volume in voxels at rates measured on many fractures
-/// (docs/history/memory.md).  The estimate is above the measured peak, by at most a factor of two.
+/// (docs/performance.md).  The estimate is above the measured peak, by at most a factor of two.
 [[nodiscard]] std::uint64_t estimatedMemory(const TriangleMesh& mesh,
                                             const FractureOptions& options,
                                             MeshesHeld held = MeshesHeld::all);

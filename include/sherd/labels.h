@@ -214,7 +214,7 @@ struct ShareOptions {
   int tries = 64;   ///< most growths to reach minShare
 
   /// Whether an option is set.
-  bool isAny() const { return minShare > 0.0 || balance != 0 || sizes != Sizes::grown; }
+  bool isSet() const { return minShare > 0.0 || balance != 0 || sizes != Sizes::grown; }
 };
 
 /// The structuring element: the cells around a voxel that are counted, for a size of 2r + 1:

@@ -9,6 +9,7 @@ Lengths are in the mesh's own unit unless a name says voxels.  Same object, opti
 ``sherd``.  Functions may be called from several threads at once.
 """
 
+from . import _pickles  # noqa: F401: what pickle calls
 from ._core import limit_threads as _limit_threads
 from ._core import version as _version
 from ._break import fracture, load

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import os
 from functools import cached_property
 from typing import Any, Iterator, Sequence, overload
 
 import numpy as np
 
-from . import _core, _jobs, _options, _state
-from ._errors import Error, FileError, UsageError, warn
-from ._fragment import Array, Contacts, Fragment, Points, SparseLabels
-from ._solid import DEVICE, Solid, checked_device
+from . import _core, _jobs, _options
+from ._errors import Error, UsageError, warn
+from ._fragment import Contacts, Fragment, Points, SparseLabels
+from ._made import DEVICE, Array, MadeFracture, MadeSolid, checked_device, file_errors, of_file
 from ._values import items_of, is_sequence, number_in, path_text, shown, whole, word
 
 _FILE_NAMES = frozenset(row.name for row in _options.SAVE.values())
 
 
-class Fracture(Sequence[Fragment]):
+class Fracture(MadeFracture, Sequence[Fragment]):
     """A solid that is broken: a sequence of fragments, with ids from 1; `fracture` and `load` make it.
 
     What is not read is not made: with smooth surfaces `labels` come from the growth alone, with exact ones they agree with the
@@ -29,11 +28,11 @@ class Fracture(Sequence[Fragment]):
     def __init__(
         self,
         core: _core.Fracture,
-        solid: Solid | None = None,
+        solid: MadeSolid | None = None,
         options: _options.Options | None = None,
         before: tuple[Fracture, list[int]] | None = None,
     ) -> None:
-        self._core = core
+        super().__init__(core)
         self._solid = solid
         self._options = options
         self._before = before  # what was broken again, and its fragments' ids
@@ -59,47 +58,13 @@ class Fracture(Sequence[Fragment]):
         # Fragments refer to their fracture, and it keeps none of them: it is freed without the garbage collector.
         return (Fragment(self, i) for i in range(len(self)))
 
-    def _arrays(self, index: int) -> tuple[Array, Array, Array]:
-        """Returns vertices, faces and neighbors of a fragment."""
-        kept: dict[int, tuple[Array, Array, Array]] = self.__dict__.setdefault("_kept_arrays", {})
-        return kept.get(index) or kept.setdefault(index, self._meshed.arrays(index))
-
-    def _source_faces(self, index: int) -> Array | None:
-        kept: dict[int, Array | None] = self.__dict__.setdefault("_kept_source_faces", {})
-        return kept[index] if index in kept else kept.setdefault(index, self._meshed.source_faces(index))
-
-    @property
-    def _measured(self) -> _core.Fragments:
-        return self._made(meshes=False)
-
-    @property
-    def _sampled(self) -> _core.Fragments:
-        """The fragments as the surfaces have them that points lie on."""
-        return file_errors(_core.sampled_fragments(self._core), None, self._is_loaded)
-
-    @property
-    def _meshed(self) -> _core.Fragments:
-        return self._made(meshes=True)
-
-    def _made(self, meshes: bool, progress: _jobs.Progress | None = None) -> _core.Fragments:
-        kept = self.__dict__.setdefault("_kept", {})
-        if meshes not in kept:
-            kept[meshes] = file_errors(_core.fragments(self._core, meshes), progress, self._is_loaded)
-            if meshes and self._core.smooth_text:
-                warn([self._core.smooth_text])
-            if meshes and self._core.united_text:
-                warn([self._core.united_text])
-        return kept[meshes]
-
     # --- the whole
 
     @property
-    def solid(self) -> Solid | None:
+    def solid(self) -> MadeSolid | None:
         """The solid that was broken, before any fragment was broken again; None of a fracture that was loaded."""
         if self._before is not None:
             return self._before[0].solid
-        if self._solid is None and not self._is_loaded:
-            self._solid = Solid(self._core.solid)
         return self._solid
 
     @property
@@ -227,7 +192,7 @@ class Fracture(Sequence[Fragment]):
         try:
             everything = _core.options_again(self._core, given)
         except Error as e:
-            raise _of_file(e, self._is_loaded) from None
+            raise of_file(e, self._is_loaded) from None
         _options.check_together(everything, given)
         last = len(self)
         several: list[Any] = [ids] if isinstance(ids, int) or not is_sequence(ids) else items_of("ids", ids)
@@ -331,34 +296,5 @@ class Fracture(Sequence[Fragment]):
         axis = self.up if axis == "auto" else axis
         return file_errors(_core.render(self._core, path, *numbers, axis, width, height), progress, self._is_loaded)
 
-    @property
-    def _is_loaded(self) -> bool:
-        return isinstance(self._core, _core.LoadedPieces)
-
     def __repr__(self) -> str:
         return f"<pysherd.Fracture: {len(self)} fragments, seed {self.seed}>"
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        from ._break import broken_again, loaded_again, parts_again
-
-        if self._before is not None:
-            assert isinstance(self._core, _core.GrownPieces)
-            fracture, ids = self._before
-            return parts_again, (fracture, _state.sealed("fracture", json.dumps([ids, self._core.given]).encode()))
-        if isinstance(self._core, _core.LoadedPieces):
-            return loaded_again, (_state.sealed("fracture", json.dumps(self._core.file).encode()),)
-        solid = self.solid
-        assert solid is not None and isinstance(self._core, _core.GrownPieces)
-        return broken_again, (solid, _state.sealed("fracture", json.dumps([self._core.given, solid._identity]).encode()))
-
-
-def file_errors(job: _core.Job, progress: _jobs.Progress | None, is_file: bool) -> Any:
-    """Waits for a job whose input errors are about files if `is_file`."""
-    try:
-        return _jobs.finish(job, progress)
-    except Error as e:
-        raise _of_file(e, is_file) from None
-
-
-def _of_file(error: Error, is_file: bool) -> Error:
-    return FileError(str(error), error.options) if is_file and error.code == FileError.code else error

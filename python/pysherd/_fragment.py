@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from . import _core, _state
-
-if TYPE_CHECKING:
-    from ._fracture import Fracture
-
-Array = np.ndarray[Any, Any]
+from ._made import Array, MadeFracture
 
 
 class Points(NamedTuple):
@@ -61,7 +54,7 @@ class Fragment:
         1 to the number of fragments.
     """
 
-    def __init__(self, fracture: Fracture, index: int) -> None:
+    def __init__(self, fracture: MadeFracture, index: int) -> None:
         self._fracture = fracture
         self._index = index
         self.id: int = index + 1
@@ -144,17 +137,5 @@ class Fragment:
     def __hash__(self) -> int:
         return hash((id(self._fracture), self._index))
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _fragment_again, (self._fracture, _state.sealed("fragment", str(self._index).encode()))
-
     def __repr__(self) -> str:
         return f"<pysherd.Fragment {self.id}>"
-
-
-def _fragment_again(*state: Any) -> Fragment:
-    from ._fracture import Fracture
-
-    fracture, sealed = _state.only("fragment", state, Fracture, bytes)
-    content = _core.content_of("fragment", sealed)
-    with _state.restoring("fragment"):
-        return Fragment(fracture, range(len(fracture)).index(int(content)))

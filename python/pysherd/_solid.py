@@ -1,4 +1,4 @@
-"""Solids: objects that are voxelized and ready to be broken any number of times."""
+"""Solids: objects that are voxelized and broken any number of times."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from typing import Any, Iterable, Iterator, Sized
 
 import numpy as np
 
-from . import _core, _jobs, _options, _state
-from ._errors import Error, FileError, UsageError, warn
+from . import _core, _jobs, _options
+from ._errors import Error, UsageError, warn
+from ._fracture import Fracture
 from ._inputs import object_of
-from ._values import is_sequence, plain, shown, text_of, whole
+from ._made import DEVICE, MadeSolid, checked_device, of_file
+from ._values import is_sequence, plain, whole
 
-DEVICE = "builtin"  # which any process has, also a forked one
 _TOGETHER = 16  # fractures that grow at once
 
 
-class Solid:
+class Solid(MadeSolid):
     """An object as voxels, prepared once for any number of fractures; `voxelize` makes it.
 
     It can be pickled: the pickle holds the options and all that was read of the mesh, textures and materials included, and unpickling
@@ -45,9 +46,6 @@ class Solid:
     options : Options
         The options that it was voxelized with.
     """
-
-    def __init__(self, core: _core.Solid) -> None:
-        self._core = core
 
     name: str = property(lambda self: self._core.name)  # type: ignore[assignment]
     shape: tuple[int, int, int] = property(lambda self: self._core.shape)  # type: ignore[assignment]
@@ -83,7 +81,7 @@ class Solid:
         device: str = DEVICE,
         progress: _jobs.Progress | None = None,
         **options: Any,
-    ) -> Iterator[Any]:
+    ) -> Iterator[Fracture]:
         """Breaks the solid many times: for each number of pieces with each seed.
 
         What all fractures share is made once, and several grow at a time, so this is faster than `fracture` in a loop, with the
@@ -108,21 +106,11 @@ class Solid:
         Error
             As `fracture`, or as `pieces` and `seeds` raise, after the fractures before.
         """
-        from ._break import break_solid
-
         if "seed" in options:
             raise UsageError("seed: fractures() takes seeds, a number or several")
         given = fracture_options(self._core, options)
         for some in _batches(_pairs(_each("pieces", pieces), _each("seeds", seeds))):
             yield from break_solid(self._core, given, some, device, progress)
-
-    @property
-    def _identity(self) -> str:
-        """What distinguishes it from other solids: what it was made of, how, and what came out."""
-        return repr(self._core.identity)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self._core.state,)
 
 
 def _each(name: str, values: Any) -> Iterable[Any]:
@@ -190,18 +178,26 @@ def core_solid(mesh: Any, texts: list[tuple[str, str]], device: str, progress: _
     try:
         core = _jobs.finish(_core.voxelize(obj, texts, checked_device(device)), progress)
     except Error as e:
-        if is_file and e.code == FileError.code:
-            raise FileError(str(e), e.options) from None
-        raise
+        raise of_file(e, is_file) from None
     warn(core.warnings)
     return core
 
 
-def checked_device(device: Any) -> str:
-    """Returns the name of a device."""
-    if not isinstance(device, str) or not device:
-        raise UsageError(f"device: {shown(device)} is not a name such as 'builtin', 'cpu' or 'gpu'")
-    return text_of("device", device)
+def break_solid(
+    core: _core.Solid, given: list[tuple[str, str]], pairs: list[tuple[int, int]], device: str, progress: _jobs.Progress | None
+) -> Iterator[Fracture]:
+    """Breaks a solid by pairs of pieces and seeds, which grow together."""
+    all = _jobs.finish(_core.fracture(core, given, pairs, checked_device(device)), progress)
+    solid = Solid(core)
+    while all:  # lets go of each when the next is taken
+        broken = all.pop(0)
+        warn(broken.guide_warnings)
+        yield Fracture(broken, solid)
+
+
+def pieces_and_seed(given: list[tuple[str, str]]) -> tuple[int, int]:
+    texts = {"pieces": _options.ROWS["pieces"].default, "seed": _options.ROWS["seed"].default, **dict(given)}
+    return int(texts["pieces"]), int(texts["seed"])
 
 
 @_options.documented(_options.VOXELIZE)
@@ -234,10 +230,3 @@ def voxelize(mesh: Any, *, device: str = DEVICE, progress: _jobs.Progress | None
         A keyword or a value that the table refuses.
     """
     return Solid(core_solid(mesh, _options.given(options, _options.VOXELIZE, "voxelize"), device, progress))
-
-
-def _unpickled(*state: Any) -> Solid:
-    (content,) = _state.only("solid", state, bytes)
-    obj, given = _core.object_of_state(content)
-    with _state.restoring("solid"):
-        return Solid(_jobs.finish(_core.voxelize(obj, given, DEVICE)))

@@ -260,8 +260,7 @@ void bindFractures(nb::module_& module) {
         return nb::make_tuple(at.x, at.y, at.z);
       });
   nb::class_<GrownPieces, Fracture>(module, "GrownPieces")
-      .def_prop_ro("given", &GrownPieces::given)
-      .def_prop_ro("solid", &GrownPieces::solid);
+      .def_prop_ro("given", &GrownPieces::given);
   nb::class_<LoadedPieces, Fracture>(module, "LoadedPieces")
       .def_prop_ro("file", &LoadedPieces::file);
   module.def("fracture", fractureJob, nb::rv_policy::take_ownership);

@@ -195,8 +195,8 @@ const std::vector<Fragment>& GrownPieces::measured(const Progress& progress) {
   const bool isMerged = [&] {
     const std::lock_guard lock(making_);
     if (!isMerged_) {
-      isMerged_ =
-          simplificationOf(surface(true), grown_.result.solid, grown_.surface.get()).isAny();
+      isMerged_ = simplificationOf(surface(true), grown_.result.solid, grown_.surface.get())
+                      .changesMeshes();
     }
     return *isMerged_;
   }();

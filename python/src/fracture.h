@@ -178,7 +178,6 @@ class GrownPieces : public Fracture {
   [[nodiscard]] SolidPtr solidOf(const sherd::FinishedFracture&) const override { return solid_; }
   [[nodiscard]] std::vector<int> parents() const override { return grown_.result.parents; }
 
-  [[nodiscard]] const SolidPtr& solid() const { return solid_; }
   [[nodiscard]] const GivenOptions& given() const { return given_; }
 
   /// Writes the files that `write` names.

@@ -1,10 +1,22 @@
 // Whether numbers are finite.
 #pragma once
 
+#include <cmath>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 
 namespace sherd {
+
+template <class Number>
+[[nodiscard]] bool isFinite(const glm::vec<2, Number>& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y);
+}
+
+template <class Number>
+[[nodiscard]] bool isFinite(const glm::vec<3, Number>& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 /// Whether all coordinates are finite.  Zero times an infinite number is not a number, and a sum
 /// with one is none, so that this takes no branches.

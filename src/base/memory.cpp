@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/memory_bounds.h"
+#include "base/memory_budget.h"
 
 namespace sherd {
 namespace {
@@ -75,12 +76,6 @@ bool hasName(std::string_view list, std::string_view name) {
     list.remove_prefix(std::min(comma + 1, list.size()));
   }
   return false;
-}
-
-std::string gigabytes(std::uint64_t bytes) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3g GB", static_cast<double>(bytes) / 1e9);
-  return text;
 }
 
 }  // namespace

@@ -12,6 +12,13 @@
 
 namespace sherd {
 
+/// Returns "3 GB", by three digits.
+[[nodiscard]] inline std::string gigabytes(std::uint64_t bytes) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g GB", static_cast<double>(bytes) / 1e9);
+  return text;
+}
+
 /// Counts the bytes for reading one file before they are allocated, so that a small malicious file
 /// cannot exhaust the memory.  For one thread.
 class MemoryBudget {
@@ -39,12 +46,6 @@ class MemoryBudget {
   [[nodiscard]] std::uint64_t left() const { return limit_ - taken_; }
 
  private:
-  static std::string gigabytes(std::uint64_t bytes) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3g GB", static_cast<double>(bytes) / 1e9);
-    return text;
-  }
-
   std::string file_;
   std::uint64_t limit_, taken_ = 0;
 };

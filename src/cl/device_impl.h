@@ -103,8 +103,8 @@ DeviceBuffer uploadBuffer(DeviceImpl& device, std::span<const T> data) {
 /// Appends `count` elements of a buffer, from `first` on, to `all`: one copy, into memory that is
 /// not zeroed first.
 template <class T>
-void append(std::vector<T>& all, DeviceImpl& device, const DeviceBuffer& buffer, std::size_t count,
-            std::size_t first = 0) {
+void appendDownloaded(std::vector<T>& all, DeviceImpl& device, const DeviceBuffer& buffer,
+                      std::size_t count, std::size_t first = 0) {
   static_assert(kViewedBytes % sizeof(T) == 0);
   if (count == 0) return;
   device.view(*buffer, first * sizeof(T), count * sizeof(T), [&](std::span<const std::byte> part) {
@@ -118,7 +118,7 @@ std::vector<T> downloaded(DeviceImpl& device, const DeviceBuffer& buffer, std::s
                           std::size_t first = 0) {
   std::vector<T> all;
   all.reserve(count);
-  append(all, device, buffer, count, first);
+  appendDownloaded(all, device, buffer, count, first);
   return all;
 }
 

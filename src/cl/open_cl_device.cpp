@@ -29,7 +29,7 @@ void setArgument(cl::Kernel& kernel, const KernelLaunch& launch, std::size_t ind
 
 // Runs `body`; errors of the OpenCL bindings become Error(device).
 template <class Body>
-auto checked(const DeviceInfo& device, const char* doing, Body&& body) {
+auto translated(const DeviceInfo& device, const char* doing, Body&& body) {
   try {
     return body();
   } catch (const cl::Error& e) {
@@ -52,7 +52,7 @@ OpenClDevice::OpenClDevice(DeviceInfo described, cl::Device opened, std::string 
     if (const std::string fault = linkerFault(); !fault.empty())
       throw Error(ErrorCode::device, fault);
   }
-  checked(info, "opening the device", [&] {
+  translated(info, "opening the device", [&] {
     context = cl::Context(device);
     queue = cl::CommandQueue(context, device);
     hasHostMemory = device.getInfo<CL_DEVICE_HOST_UNIFIED_MEMORY>() != 0;
@@ -89,7 +89,7 @@ void OpenClDevice::launch(const KernelLaunch& launch) {
       info.computeUnits * (info.gpu ? std::size_t{1024} : 8 * workGroupSize()), launch.group);
   const std::size_t items =
       std::max<std::size_t>(info.caveat.empty() ? std::min(launch.work, most) : launch.work, 1);
-  checked(info, launch.kernel, [&] {
+  translated(info, launch.kernel, [&] {
     BuiltKernel& built = kernel(launch.kernel);
     checkArguments(launch, built.parameters);
     for (std::size_t i = 0; i < launch.arguments.size(); ++i) setArgument(built.kernel, launch, i);
@@ -101,25 +101,25 @@ void OpenClDevice::launch(const KernelLaunch& launch) {
 }
 
 std::unique_ptr<Allocation> OpenClDevice::allocate(std::size_t bytes) {
-  return checked(info, "allocating a buffer", [&] {
+  return translated(info, "allocating a buffer", [&] {
     return std::make_unique<OpenClAllocation>(cl::Buffer(context, CL_MEM_READ_WRITE, bytes));
   });
 }
 
 // (No CL_MEM_USE_HOST_PTR: oclgrind reports false errors for it.)
 void OpenClDevice::write(Allocation& to, const void* from, std::size_t bytes) {
-  checked(info, "writing a buffer",
-          [&] { queue.enqueueWriteBuffer(bufferOf(to), CL_TRUE, 0, bytes, from); });
+  translated(info, "writing a buffer",
+             [&] { queue.enqueueWriteBuffer(bufferOf(to), CL_TRUE, 0, bytes, from); });
 }
 
 void OpenClDevice::read(Allocation& from, std::size_t offset, std::size_t bytes, void* to) {
-  checked(info, "reading a buffer",
-          [&] { queue.enqueueReadBuffer(bufferOf(from), CL_TRUE, offset, bytes, to); });
+  translated(info, "reading a buffer",
+             [&] { queue.enqueueReadBuffer(bufferOf(from), CL_TRUE, offset, bytes, to); });
 }
 
 void OpenClDevice::fill(Allocation& to, const void* pattern, std::size_t patternBytes,
                         std::size_t bytes) {
-  checked(info, "filling a buffer", [&] {
+  translated(info, "filling a buffer", [&] {
     const cl_int error = ::clEnqueueFillBuffer(queue(), bufferOf(to)(), pattern, patternBytes, 0,
                                                bytes, 0, nullptr, nullptr);
     if (error != CL_SUCCESS) throw cl::Error(error, "clEnqueueFillBuffer");
@@ -127,8 +127,8 @@ void OpenClDevice::fill(Allocation& to, const void* pattern, std::size_t pattern
 }
 
 void OpenClDevice::copy(Allocation& from, Allocation& to, std::size_t toOffset, std::size_t bytes) {
-  checked(info, "copying a buffer",
-          [&] { queue.enqueueCopyBuffer(bufferOf(from), bufferOf(to), 0, toOffset, bytes); });
+  translated(info, "copying a buffer",
+             [&] { queue.enqueueCopyBuffer(bufferOf(from), bufferOf(to), 0, toOffset, bytes); });
 }
 
 // Maps bytes of a buffer until the pointer is gone.
@@ -152,7 +152,7 @@ std::byte* OpenClDevice::stage(std::size_t index) {
 
 void OpenClDevice::view(Allocation& from, std::size_t offset, std::size_t bytes,
                         const ViewedBytes& use) {
-  checked(info, "reading a buffer", [&] {
+  translated(info, "reading a buffer", [&] {
     if (hasHostMemory) {
       const std::shared_ptr<void> data = mapped(bufferOf(from), CL_MAP_READ, offset, bytes);
       use({static_cast<const std::byte*>(data.get()), bytes});
@@ -177,7 +177,7 @@ void OpenClDevice::view(Allocation& from, std::size_t offset, std::size_t bytes,
 }
 
 void OpenClDevice::finish() {
-  checked(info, "waiting for the device", [&] { queue.finish(); });
+  translated(info, "waiting for the device", [&] { queue.finish(); });
 }
 
 }  // namespace sherd

@@ -5,17 +5,6 @@
 #include <glm/geometric.hpp>
 
 namespace sherd {
-namespace {
-
-glm::uvec3 replaced(glm::uvec3 corner, std::uint32_t from, std::uint32_t to) {
-  for (int k = 0; k < 3; ++k) {
-    if (corner[k] == from) corner[k] = to;
-  }
-  return corner;
-}
-
-}  // namespace
-
 Change collapse(const Stars& stars, std::uint32_t gone, std::uint32_t at,
                 const std::vector<glm::dvec3>& positions) {
   Change change{.at = at, .position = positions[at], .gone = gone};

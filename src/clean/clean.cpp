@@ -16,6 +16,7 @@
 #include "clean/part_sheets.h"
 #include "clean/rounded_faults.h"
 #include "clean/stars.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
@@ -106,8 +107,7 @@ class Cleaning {
   }
 
   std::array<glm::dvec3, 3> cornersOf(std::uint32_t f) const {
-    const glm::uvec3& t = stars_.face(f).corner;
-    return {positions_.exact[t.x], positions_.exact[t.y], positions_.exact[t.z]};
+    return positionsOf(positions_.exact, stars_.face(f).corner);
   }
 
   bool tryParting(const SheetParting& parting, const Pinch& pinch, double distance,

@@ -27,4 +27,12 @@ struct CleanFace {
   }
 };
 
+/// Returns corners with one vertex in place of another.
+[[nodiscard]] inline glm::uvec3 replaced(glm::uvec3 corner, std::uint32_t from, std::uint32_t to) {
+  for (int k = 0; k < 3; ++k) {
+    if (corner[k] == from) corner[k] = to;
+  }
+  return corner;
+}
+
 }  // namespace sherd

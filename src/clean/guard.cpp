@@ -13,22 +13,12 @@
 #include "intersect/self_crossings.h"
 #include "mesh/largest_axis.h"
 #include "mesh/search/boxes.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
 
 using Corners = std::array<glm::dvec3, 3>;
-
-Corners cornersOf(const std::vector<glm::dvec3>& at, const glm::uvec3& t) {
-  return {at[t.x], at[t.y], at[t.z]};
-}
-
-glm::dvec3 normalOf(const Corners& t) { return glm::cross(t[1] - t[0], t[2] - t[0]); }
-
-double longestEdge(const Corners& t) {
-  return std::max(
-      {glm::distance(t[0], t[1]), glm::distance(t[1], t[2]), glm::distance(t[2], t[0])});
-}
 
 // The exact sign of a triangle's area seen along an axis.
 int sideOf(const Corners& t, int axis) {
@@ -55,7 +45,7 @@ std::vector<Box> boxesOf(const Stars& stars, const std::vector<std::uint32_t>& f
                          const std::vector<glm::dvec3>& at) {
   std::vector<Box> boxes;
   boxes.reserve(faces.size());
-  for (const std::uint32_t f : faces) boxes.push_back(boxOf(cornersOf(at, stars.face(f).corner)));
+  for (const std::uint32_t f : faces) boxes.push_back(boxOf(positionsOf(at, stars.face(f).corner)));
   return boxes;
 }
 
@@ -134,7 +124,7 @@ std::size_t Guard::faultsOf(const std::vector<glm::uvec3>& faces) const {
   const Positions& at = positions_.rounded;
   std::size_t count = 0;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const Corners own = cornersOf(at, faces[i]);
+    const Corners own = positionsOf(at, faces[i]);
     count += areCollinear(own) ? 1u : 0u;
     for (const std::uint32_t other : near(widened(boxOf(own), reach_))) {
       count += trianglesCross(at, faces[i], stars_.face(other).corner) ? 1u : 0u;
@@ -157,29 +147,29 @@ void Guard::mark(const Change& change) {
 // cover it as long as none is flipped; a crack's face that is as thin as points move has no side.
 bool Guard::keepsShape(const NewFace& face, const Positions& at, const Change& change,
                        const glm::dvec3& before) const {
-  const Corners own = cornersOf(at, face.corner);
+  const Corners own = positionsOf(at, face.corner);
   if (face.isPatch) return !areCollinear(own);
   const CleanFace& old = stars_.face(face.number);
   if (old.isOutside()) {
-    const glm::dvec3 normal = normalOf(cornersOf(mesh_.vertices, mesh_.triangles[old.source]));
+    const glm::dvec3 normal = areaNormal(positionsOf(mesh_.vertices, mesh_.triangles[old.source]));
     const int axis = largestAxis(normal);
     return sideOf(own, axis) == (normal[axis] > 0.0 ? 1 : -1);
   }
   if (areCollinear(own)) return false;
-  Corners was = cornersOf(at, old.corner);
+  Corners was = positionsOf(at, old.corner);
   for (int k = 0; k < 3; ++k) {
     if (old.corner[k] == change.at) was[static_cast<std::size_t>(k)] = before;
   }
-  const glm::dvec3 normal = normalOf(was);
+  const glm::dvec3 normal = areaNormal(was);
   const bool isThin = glm::length(normal) < 2.0 * change.distance * longestEdge(was);
-  return isThin || glm::dot(normal, normalOf(own)) > 0.0;
+  return isThin || glm::dot(normal, areaNormal(own)) > 0.0;
 }
 
 bool Guard::keepsApart(Positions& at, const Change& change, const glm::dvec3& before) {
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     if (!faces_[i].isPrimary) continue;
     for (const std::uint32_t other :
-         near(widened(boxOf(cornersOf(at, faces_[i].corner)), reach_))) {
+         near(widened(boxOf(positionsOf(at, faces_[i].corner)), reach_))) {
       if (!trianglesCross(at, faces_[i].corner, stars_.face(other).corner)) continue;
       if (!crossedBefore(at, change, before, other)) return false;
     }

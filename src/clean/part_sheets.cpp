@@ -56,13 +56,6 @@ std::optional<std::uint32_t> behindOf(const Stars& stars, std::uint32_t f) {
   return {};
 }
 
-glm::uvec3 replaced(glm::uvec3 corner, std::uint32_t from, std::uint32_t to) {
-  for (int k = 0; k < 3; ++k) {
-    if (corner[k] == from) corner[k] = to;
-  }
-  return corner;
-}
-
 }  // namespace
 
 std::vector<SheetParting> partings(const Stars& stars, std::uint16_t piece, std::uint32_t vertex) {

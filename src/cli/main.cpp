@@ -21,7 +21,6 @@
 #include "base/version.h"
 #include "cli/arguments/command_line.h"
 #include "cli/arguments/config_arguments.h"
-#include "cli/arguments/former_names.h"
 #include "cli/evaluate/cgal_checks.h"
 #include "cli/terminal/command.h"
 #include "cli/terminal/interrupts.h"
@@ -114,7 +113,7 @@ void parse(int argc, char** argv, Action& run) {
       "Exit status: 0 done, 1 internal error, 2 usage, 3 input, 4 device, 5 output, 130 "
       "interrupted.");
   try {
-    std::vector<std::string> arguments = withCurrentNames({argv + std::min(argc, 1), argv + argc});
+    std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     checkArguments(app, arguments);
     for (const CLI::App* command : configured) {
       if (arguments.empty() || arguments.front() != command->get_name()) continue;

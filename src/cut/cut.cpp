@@ -200,7 +200,7 @@ void forEachBit(const VoxelBits& voxels, const Visit& visit) {
   }
 }
 
-bool isAny(const VoxelBits& voxels) {
+bool hasBits(const VoxelBits& voxels) {
   return std::any_of(voxels.begin(), voxels.end(), [](std::uint8_t row) { return row != 0; });
 }
 
@@ -278,7 +278,7 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& ne
   VoxelBits requested;
   requested.fill(0xff);
   if (corners != nullptr) requested = cutCorners(*corners);
-  if (extent == CutExtent::none || !isAny(requested)) return cut;
+  if (extent == CutExtent::none || !hasBits(requested)) return cut;
 
   VoxelBits rest = requested;
   if (from.sites.empty() && from.splits.empty()) {
@@ -293,7 +293,7 @@ CutLeaf cutLeaf(const CutSource& from, std::size_t leaf, const LeafNeighbors& ne
     cut.distance = std::move(planes.distance);
     for (std::size_t row = 0; row < rest.size(); ++row) rest[row] ^= planes.holds[row];
   }
-  if (isAny(rest)) smoothCut(halo, cut.fragments, rest, cut.distance);
+  if (hasBits(rest)) smoothCut(halo, cut.fragments, rest, cut.distance);
   const std::uint16_t* const owner = &from.labels.fragment[leaf * 512];
   forEachBit(requested, [&](std::size_t v) {
     const bool isInside = from.blocks.isInside(leaf * 512 + v);

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <map>
 #include <optional>
 #include <utility>
@@ -127,20 +126,13 @@ std::set<std::string> ownNames(const fs::path& folder, const DatasetPlan& plan,
   return names;
 }
 
-void removeOwn(const fs::path& folder, const std::string& name) {
-  if (!isOwnFile(folder, name)) return;
-  if (::unlink((folder / name).c_str()) == 0 || errno == ENOENT) return;
-  throw Error(ErrorCode::output,
-              (folder / name).string() + ": cannot be removed: " + reasonOf(errno));
-}
-
 void removeObject(const fs::path& folder, const JournaledObject& one,
                   const DatasetOptions& options) {
   if (!one.finished) return discardStored(storeOf(folder, one.object, options));
   for (const Json& line : one.finished->fractures) {
-    for (const FileRecord& file : filesOf(line)) removeOwn(folder, file.name);
+    for (const FileRecord& file : filesOf(line)) removeOwnFile(folder, file.name);
   }
-  for (const FileRecord& file : one.finished->files) removeOwn(folder, file.name);
+  for (const FileRecord& file : one.finished->files) removeOwnFile(folder, file.name);
 }
 
 bool isLink(const fs::path& path) { return typeOf(path) == fs::file_type::symlink; }
@@ -261,16 +253,16 @@ Leftovers leftoversOf(const fs::path& folder, const DatasetPlan& plan, int shard
 }
 
 void removeLeftovers(const fs::path& folder, const DatasetPlan& plan, const Leftovers& leftovers) {
-  removeOwn(folder, kSumsName);
-  for (const std::string& name : leftovers.records) removeOwn(folder, name);
+  removeOwnFile(folder, kSumsName);
+  for (const std::string& name : leftovers.records) removeOwnFile(folder, name);
   for (const LibraryObject& object : leftovers.objects) {
     discardStored(storeOf(folder, object, optionsOf(plan)));
     for (const fs::path& file : filesBelow(folder / kJournalFolder)) {  // thumbnails and pages
       const std::string stem = fs::path(file).replace_extension().generic_string();
       if (file.extension() != ".jsonl" && stem.substr(0, stem.rfind('.')) == object.folder)
-        removeOwn(folder, std::string(kJournalFolder) + "/" + file.generic_string());
+        removeOwnFile(folder, std::string(kJournalFolder) + "/" + file.generic_string());
     }
-    removeOwn(folder, journalName(object));  // last: it says what the others are
+    removeOwnFile(folder, journalName(object));  // last: it says what the others are
   }
   removeEmptyFolders(folder);
 }
@@ -293,7 +285,7 @@ std::vector<std::string> removeDataset(const fs::path& folder, const fs::path& o
   for (const fs::path& name : names) {
     if (own.contains(name.generic_string())) continue;
     if (isTemporaryName(name.filename().string()) && isOwnFile(folder, name.string())) {
-      removeOwn(folder, name.string());
+      removeOwnFile(folder, name.string());
       continue;
     }
     const fs::path kept = movedTo(folder / name, others, name, inKept);
@@ -306,10 +298,10 @@ std::vector<std::string> removeDataset(const fs::path& folder, const fs::path& o
   const auto isJournal = [](const std::string& name) { return name.ends_with(".jsonl"); };
   for (const bool journals : {false, true}) {
     for (const std::string& name : own) {
-      if (name != kPlanName && isJournal(name) == journals) removeOwn(folder, name);
+      if (name != kPlanName && isJournal(name) == journals) removeOwnFile(folder, name);
     }
   }
-  removeOwn(folder, kPlanName);
+  removeOwnFile(folder, kPlanName);
   removeEmptyFolders(folder);
   return sentences;
 }

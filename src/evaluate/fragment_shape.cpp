@@ -17,8 +17,7 @@ namespace {
 constexpr double kLineShare = 0.5;  // of the fragment's thickness, for a line across a plate
 
 std::array<glm::dvec3, 3> cornersOf(const TriangleMesh& mesh, std::size_t triangle) {
-  const glm::uvec3& t = mesh.triangles[triangle];
-  return {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
+  return positionsOf(mesh.vertices, mesh.triangles[triangle]);
 }
 
 /// Returns whether the rms distance of an area from its plane is within the tolerance.

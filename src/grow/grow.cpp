@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/finite.h"
 #include "base/text/formatted.h"
 #include "grow/fields/apart_leaves.h"
 #include "grow/fields/check_labels.h"
@@ -37,9 +38,7 @@ std::int32_t nearestAxis(const glm::dvec3& direction) {
   return std::abs(direction.x) == most ? 0 : std::abs(direction.y) == most ? 1 : 2;
 }
 
-bool isDirection(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && largestOf(v) > 0.0;
-}
+bool isDirection(const glm::dvec3& v) { return isFinite(v) && largestOf(v) > 0.0; }
 
 void check(const GrowOptions& options) {
   const auto need = [](bool good, const char* sentence) {
@@ -112,7 +111,7 @@ class GrowthLeaves {
 };
 
 // State of the growth of one batch of fractures.
-struct Growing {
+struct GrowthBatch {
   GrowthState& state;
   const SeedTable& seeds;
   const GrowOptions& options;
@@ -188,23 +187,22 @@ void clearOutside(const LeafBlocks& blocks, std::vector<std::uint32_t>& cost) {
 }
 
 // Returns the labels of the solid's blocks.
-std::vector<Labels> readLabels(const Growing& growing, Flood& last) {
-  std::vector<Labels> all(growing.state.fractures);
-  const std::uint32_t leaves = growing.state.leafCount;
+std::vector<Labels> readLabels(const GrowthBatch& batch, Flood& last) {
+  std::vector<Labels> all(batch.state.fractures);
+  const std::uint32_t leaves = batch.state.leafCount;
   const std::size_t voxels = std::size_t{leaves} * SHERD_LEAF_SIZE;
   for (std::uint32_t f = 0; f < all.size(); ++f) {
     all[f].fragment = last.read(f * leaves, leaves);
-    if (growing.options.keepCost) {
-      all[f].cost =
-          downloaded<std::uint32_t>(growing.state.device, growing.cost, voxels, f * voxels);
-      clearOutside(growing.state.blocks, all[f].cost);
+    if (batch.options.keepCost) {
+      all[f].cost = downloaded<std::uint32_t>(batch.state.device, batch.cost, voxels, f * voxels);
+      clearOutside(batch.state.blocks, all[f].cost);
     }
-    if (!growing.disconnected.empty()) all[f].disconnected = growing.disconnected[f];
-    if (const ApartLeaves* const apart = growing.state.apart; apart != nullptr) {
-      const std::size_t leavesOfSolid = growing.solidBlocks.count();
+    if (!batch.disconnected.empty()) all[f].disconnected = batch.disconnected[f];
+    if (const ApartLeaves* const apart = batch.state.apart; apart != nullptr) {
+      const std::size_t leavesOfSolid = batch.solidBlocks.count();
       all[f].fragment =
           apart->joined(std::span<const std::uint16_t>(all[f].fragment), leavesOfSolid);
-      if (growing.options.keepCost) {
+      if (batch.options.keepCost) {
         all[f].cost = apart->joined(std::span<const std::uint32_t>(all[f].cost), leavesOfSolid);
       }
     }
@@ -224,70 +222,70 @@ DeviceBuffer allInside(GrowthState& state) {
 
 // Returns the voxels connected to their fragments' first seeds.  Where the rule has it so, first
 // regrows the others once by the chamfer.
-DeviceBuffer connectedToSeeds(Growing& growing) {
-  GrowthState& state = growing.state;
+DeviceBuffer connectedToSeeds(GrowthBatch& batch) {
+  GrowthState& state = batch.state;
   KeptComponents components =
-      growing.recorded(keepSeededComponents(state, growing.labels, growing.seeds));
-  if (!growing.rule().regrowsByChamfer) return components.mask;
-  if (components.all() && !growing.options.tuning.warmUp) return components.mask;
-  regrowByWeight(state, growing.labels, components.mask, chamferSteps(growing.options.anisotropy),
-                 growing.progress);
+      batch.recorded(keepSeededComponents(state, batch.labels, batch.seeds));
+  if (!batch.rule().regrowsByChamfer) return components.mask;
+  if (components.all() && !batch.options.tuning.warmUp) return components.mask;
+  regrowByWeight(state, batch.labels, components.mask, chamferSteps(batch.options.anisotropy),
+                 batch.progress);
   if (components.all()) return components.mask;
-  return growing.recorded(keepSeededComponents(state, growing.labels, growing.seeds)).mask;
+  return batch.recorded(keepSeededComponents(state, batch.labels, batch.seeds)).mask;
 }
 
 // Regrows the voxels outside `kept` from their neighbors, then extends labels `outerSteps` into the
 // exterior band.
-Flood regrown(Growing& growing, const DeviceBuffer& kept, std::uint32_t outerSteps) {
-  GrowthState& state = growing.state;
+Flood regrown(GrowthBatch& batch, const DeviceBuffer& kept, std::uint32_t outerSteps) {
+  GrowthState& state = batch.state;
   Flood flood(state, false);
-  flood.load(growing.labels, kept);
-  if (growing.options.regrowIsolated) {
-    flood.grow(state.inside, SHERD_NO_STEP, growing.perReadback(), growing.progress);
+  flood.load(batch.labels, kept);
+  if (batch.options.regrowIsolated) {
+    flood.grow(state.inside, SHERD_NO_STEP, batch.perReadback(), batch.progress);
   }
   if (outerSteps > 0) {
-    flood.grow(band(state), outerSteps, growing.perReadback(), growing.progress);
+    flood.grow(band(state), outerSteps, batch.perReadback(), batch.progress);
   }
   return flood;
 }
 
 // Roughens cracks, if they are meant to be, and extends labels into the exterior band.
 //   kept  voxels that are connected to their fragment; where cracks are rough all are labeled
-Flood roughAndExtended(Growing& growing, DeviceBuffer kept) {
-  if (!growing.options.roughness.isZero()) {
+Flood roughAndExtended(GrowthBatch& batch, DeviceBuffer kept) {
+  if (!batch.options.roughness.isZero()) {
     // A fragment lies in one component of the solid and stays in it when displaced.  It may lose
     // its seed's voxel, so from here its largest component is kept.
-    growing.roughen();
-    kept = growing.options.regrowIsolated
-               ? growing.recorded(keepLargestComponents(growing.state, growing.labels)).mask
-               : allInside(growing.state);
+    batch.roughen();
+    kept = batch.options.regrowIsolated
+               ? batch.recorded(keepLargestComponents(batch.state, batch.labels)).mask
+               : allInside(batch.state);
   }
-  return regrown(growing, kept, static_cast<std::uint32_t>(growing.options.outerSteps));
+  return regrown(batch, kept, static_cast<std::uint32_t>(batch.options.outerSteps));
 }
 
 // Runs all stages; the returned flood holds the labels.
-Flood growAll(Growing& growing) {
-  GrowthState& state = growing.state;
-  const GrowOptions& options = growing.options;
+Flood growAll(GrowthBatch& batch) {
+  GrowthState& state = batch.state;
+  const GrowOptions& options = batch.options;
   const auto outer = static_cast<std::uint32_t>(options.outerSteps);
-  const bool regrows = options.regrowIsolated && growing.mayBeDisconnected();
+  const bool regrows = options.regrowIsolated && batch.mayBeDisconnected();
   const bool rough = !options.roughness.isZero();
 
-  if (growing.isUnweightedFlood()) {
+  if (batch.isUnweightedFlood()) {
     Flood flood(state, options.keepCost, options.neighborhood);
-    flood.seed(growing.seeds);
-    flood.grow(state.inside, SHERD_NO_STEP, growing.perReadback(), growing.progress);
+    flood.seed(batch.seeds);
+    flood.grow(state.inside, SHERD_NO_STEP, batch.perReadback(), batch.progress);
     const bool last = !regrows && !rough && options.neighborhood == 6;  // the band needs 6
-    if (last && outer > 0) flood.grow(band(state), outer, growing.perReadback(), growing.progress);
-    growing.cost = flood.cost();
+    if (last && outer > 0) flood.grow(band(state), outer, batch.perReadback(), batch.progress);
+    batch.cost = flood.cost();
     if (last) return flood;
-    growing.labels = flood.labels();
+    batch.labels = flood.labels();
   } else {
-    growing.growFirst();
+    batch.growFirst();
   }
-  const DeviceBuffer kept = regrows ? connectedToSeeds(growing) : allInside(state);
-  if (rough && regrows) growing.labels = regrown(growing, kept, 0).labels();
-  return roughAndExtended(growing, kept);
+  const DeviceBuffer kept = regrows ? connectedToSeeds(batch) : allInside(state);
+  if (rough && regrows) batch.labels = regrown(batch, kept, 0).labels();
+  return roughAndExtended(batch, kept);
 }
 
 // Returns how many fractures grow together: no buffer may exceed the device's largest allocation
@@ -343,10 +341,10 @@ std::vector<SeededLabels> splitBatch(const std::shared_ptr<const LeafBlocks>& bl
   std::vector<std::vector<Seed>> seedSets;
   for (const SplitPieces& each : grown.fractures) seedSets.push_back(each.seeds);
   const SeedTable table = tableOf(state.blocks, seedSets, state.firstOfLayer());
-  Growing growing{state, table, own, *blocks, progress};
-  growing.labels = grown.labels;
-  Flood last = roughAndExtended(growing, allInside(state));
-  std::vector<Labels> labels = readLabels(growing, last);
+  GrowthBatch batch{state, table, own, *blocks, progress};
+  batch.labels = grown.labels;
+  Flood last = roughAndExtended(batch, allInside(state));
+  std::vector<Labels> labels = readLabels(batch, last);
   std::vector<SeededLabels> all;
   for (std::size_t f = 0; f < labels.size(); ++f) {
     labels[f].blocks = blocks;
@@ -392,9 +390,9 @@ std::vector<Labels> growBatch(const std::shared_ptr<const LeafBlocks>& blocks,
   GrowthState state(leaves.blocks(), seedSets.size(), implOf(device), options.tuning.workGroupSize,
                     leaves.apart());
   const SeedTable table = tableOf(state.blocks, settledSets, state.firstOfLayer());
-  Growing growing{state, table, own, *blocks, progress, walls};
-  Flood last = growAll(growing);
-  std::vector<Labels> all = readLabels(growing, last);
+  GrowthBatch batch{state, table, own, *blocks, progress, walls};
+  Flood last = growAll(batch);
+  std::vector<Labels> all = readLabels(batch, last);
   for (std::size_t f = 0; f < all.size(); ++f) {
     all[f].blocks = blocks;
     all[f].fragmentCount = fragmentsOf(seedSets[f]);

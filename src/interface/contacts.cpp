@@ -15,11 +15,6 @@
 namespace sherd {
 namespace {
 
-openvdb::Coord nearestVoxel(const glm::dvec3& p) {
-  return {static_cast<int>(std::floor(p.x + 0.5)), static_cast<int>(std::floor(p.y + 0.5)),
-          static_cast<int>(std::floor(p.z + 0.5))};
-}
-
 // The most frequent label other than 0 and `own` of the eight voxels around an index position; the
 // lowest of equals, 0 if there is none.
 //   among  ascending: only one of these; or null

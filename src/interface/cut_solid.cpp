@@ -6,8 +6,8 @@
 namespace sherd {
 namespace {
 
-std::shared_ptr<const IntactSurface> checked(std::shared_ptr<const IntactSurface> intact,
-                                             const Solid& solid) {
+std::shared_ptr<const IntactSurface> fittingIntact(std::shared_ptr<const IntactSurface> intact,
+                                                   const Solid& solid) {
   checkIntact(intact.get(), solid);
   return intact;
 }
@@ -17,7 +17,7 @@ std::shared_ptr<const IntactSurface> checked(std::shared_ptr<const IntactSurface
 CutSolid::CutSolid(const Solid& solid, const Labels& labels,
                    std::shared_ptr<const IntactSurface> intact, CutExtent extent,
                    const Progress* progress)
-    : intact_(checked(std::move(intact), solid)),
+    : intact_(fittingIntact(std::move(intact), solid)),
       ownNeighborhoods_(intact_ ? std::vector<LeafNeighbors>()
                                 : leafNeighbors(solid.blocks->origins)),
       cut_(findCut(labels, neighborhoods(), extent, progress)) {}

@@ -20,11 +20,11 @@ bool hasLowerLabel(const InterfaceQuad& a, const InterfaceQuad& b) { return a.la
 
 }  // namespace
 
-class InterfaceSurface::Building {
+class InterfaceSurface::Builder {
  public:
-  Building(InterfaceSurface& to, const Solid& solid, const Labels& labels, const Cut& cut,
-           std::span<const LeafNeighbors> neighborhoods, const Creases& creases,
-           const IntactSurface* intact)
+  Builder(InterfaceSurface& to, const Solid& solid, const Labels& labels, const Cut& cut,
+          std::span<const LeafNeighbors> neighborhoods, const Creases& creases,
+          const IntactSurface* intact)
       : to_(to),
         solid_(solid),
         cut_(cut),
@@ -324,7 +324,7 @@ InterfaceSurface::InterfaceSurface(const Solid& solid, const Labels& labels, con
                                    std::span<const LeafNeighbors> neighborhoods,
                                    const Creases& creases, const IntactSurface* intact,
                                    SurfaceVertices extent, const Progress* progress) {
-  Building(*this, solid, labels, cut, neighborhoods, creases, intact).build(extent, progress);
+  Builder(*this, solid, labels, cut, neighborhoods, creases, intact).build(extent, progress);
 }
 
 std::span<const InterfaceQuad> InterfaceSurface::quadsOf(std::size_t leaf,

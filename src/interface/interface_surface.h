@@ -83,7 +83,7 @@ class InterfaceSurface {
   }
 
  private:
-  class Building;
+  class Builder;
 
   std::vector<std::uint8_t> reusesTriangles_;  // [leaf]
   std::vector<std::uint8_t> intactOctants_;    // [leaf]

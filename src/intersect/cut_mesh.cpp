@@ -10,23 +10,20 @@
 #include "base/sort_unique.h"
 #include "intersect/find_crossings.h"
 #include "intersect/split_triangles.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
 
 constexpr const char* kStage = "cut";
 
-std::array<glm::dvec3, 3> cornersOf(const std::vector<glm::dvec3>& vertices, const glm::uvec3& t) {
-  return {vertices[t.x], vertices[t.y], vertices[t.z]};
-}
-
 ExactPoint pointAt(const CrossingKey& key, const TriangleMesh& surface, const Cutters& cutters) {
   if (key.isCutterEdge) {
     return crossingPoint({cutters.vertices[key.low], cutters.vertices[key.high]},
-                         cornersOf(surface.vertices, surface.triangles[key.triangle]));
+                         positionsOf(surface.vertices, surface.triangles[key.triangle]));
   }
   return crossingPoint({surface.vertices[key.low], surface.vertices[key.high]},
-                       cornersOf(cutters.vertices, cutters.triangles[key.triangle]));
+                       positionsOf(cutters.vertices, cutters.triangles[key.triangle]));
 }
 
 // Numbers crossing points by their keys, which do not depend on the order of the work.

@@ -16,6 +16,7 @@
 #include "mesh/largest_axis.h"
 #include "mesh/search/boxes.h"
 #include "mesh/search/triangle_tree.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
@@ -65,10 +66,6 @@ bool meets(const glm::dvec3& p, const glm::dvec3& q, const Corners& t) {
     most = std::max(most, side);
   }
   return least >= 0 || most <= 0;
-}
-
-Corners cornersOf(std::span<const glm::dvec3> vertices, const glm::uvec3& t) {
-  return {vertices[t.x], vertices[t.y], vertices[t.z]};
 }
 
 // [corners of a] whether it is one of b.
@@ -195,7 +192,7 @@ std::vector<std::uint32_t> nearTested(std::span<const glm::dvec3> vertices,
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), kBlock),
                     [&](const auto& range) {
                       for (std::size_t t = range.begin(); t < range.end(); ++t) {
-                        isNear[t] = tree.isAnyMeeting(boxOf(cornersOf(vertices, triangles[t])));
+                        isNear[t] = tree.isAnyMeeting(boxOf(positionsOf(vertices, triangles[t])));
                       }
                     });
   std::vector<std::uint32_t> near;
@@ -211,7 +208,7 @@ bool trianglesCross(std::span<const glm::dvec3> vertices, const glm::uvec3& a,
                     const glm::uvec3& b) {
   const std::array<bool, 3> inB = shared(a, b), inA = shared(b, a);
   const auto common = std::count(inB.begin(), inB.end(), true);
-  const Corners s = cornersOf(vertices, a), t = cornersOf(vertices, b);
+  const Corners s = positionsOf(vertices, a), t = positionsOf(vertices, b);
   if (common >= 2) return common == 3 || areFolded(s, inB, t, inA);
   return edgesMeet(s, inB, common, t) || edgesMeet(t, inA, common, s);
 }

@@ -146,7 +146,7 @@ void TriangleSplit::addPoint(std::uint32_t local, std::vector<std::uint32_t>& de
 }
 
 template <class T>
-void append(std::vector<T>& all, const std::vector<T>& part) {
+void appendAll(std::vector<T>& all, const std::vector<T>& part) {
   all.insert(all.end(), part.begin(), part.end());
 }
 
@@ -178,10 +178,10 @@ SplitTriangles splitTriangles(const CutSide& side, const std::vector<glm::uvec3>
   });
   cancel.throwIfSet();
   for (const SplitTriangles& part : found) {
-    append(all.parts, part.parts);
-    append(all.crossingSeams, part.crossingSeams);
-    append(all.degenerate, part.degenerate);
-    append(all.flat, part.flat);
+    appendAll(all.parts, part.parts);
+    appendAll(all.crossingSeams, part.crossingSeams);
+    appendAll(all.degenerate, part.degenerate);
+    appendAll(all.flat, part.flat);
   }
   return all;
 }

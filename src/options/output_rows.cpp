@@ -390,7 +390,7 @@ const Row kSurfaceRows[]{
          "`auto` is 0.1 for them, and so is any number below it but 0, which keeps all faces. "
          "In the mean over a crack the distance from the full one stays below the error; "
          "single points are up to six times as far "
-         "([triangles, distances and cost](history/surface.md#simplified-cracks))",
+         "([triangles, distances and cost](decisions/0018-exact-surfaces.md#simplified-cracks))",
      .key = "surface.adaptivity",
      .drawn = true,
      .unit = "voxels"},

@@ -434,7 +434,7 @@ std::vector<GrownFracture> growTogether(const PreparedSolid& ready,
   const auto walls = areKept ? ready.walls : std::make_shared<SolidWalls>(ready.solid);
   if (ruleOf(together.growth).splits) {
     labels = splitTogether(ready, all, options, together, *walls, device, progress);
-  } else if (sharesOf(options.front()).isAny()) {
+  } else if (sharesOf(options.front()).isSet()) {
     // How often each has to grow depends on what comes out.
     for (std::size_t i = 0; i < all.size(); ++i) {
       SeededLabels one = growFor(options[i], ready.solid, ready.components, std::move(seeds[i]),

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
+#include "base/finite.h"
 #include "mesh/repair/repair.h"
 #include "mesh/search/curtain.h"
 #include "mesh/vertex_normals.h"
@@ -25,15 +26,11 @@ Error inputError(const Guide& guide, const std::string& what) {
   return Error(ErrorCode::input, (guide.file.empty() ? "a guide" : guide.file) + ": " + what);
 }
 
-bool isFinite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 void check(const Guide& guide) {
-  bool isGood = std::all_of(guide.mesh.vertices.begin(), guide.mesh.vertices.end(), isFinite);
+  bool isGood = areFinite(guide.mesh.vertices);
   for (const std::vector<glm::dvec3>& line : guide.polylines) {
     if (line.size() < 2) throw inputError(guide, "has a line of less than two points");
-    isGood = isGood && std::all_of(line.begin(), line.end(), isFinite);
+    isGood = isGood && areFinite(line);
   }
   if (!isGood) throw inputError(guide, "has a coordinate that is not finite");
   if (guide.polylines.empty() && guide.mesh.triangles.empty()) {

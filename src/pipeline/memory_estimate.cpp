@@ -21,7 +21,7 @@
 namespace sherd {
 namespace {
 
-// Rates: docs/history/memory.md.
+// Rates: docs/performance.md, Memory.
 constexpr double kProgram = 200e6;          // the OpenCL device and its compiler
 constexpr double kPerTriangle = 264.0;      // of the input: vertices twice, the tree, columns
 constexpr double kPerSurfaceVoxel = 500.0;  // faces, meshes and the preview of fragments

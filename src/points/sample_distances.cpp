@@ -25,7 +25,7 @@ double rounded(double value, SampleType type) {
 
 double largestOf(SampleType type) { return type == SampleType::float16 ? kLargestHalf : 0x1p127; }
 
-const DistanceOptions& checked(const DistanceOptions& options) {
+const DistanceOptions& checkedDistances(const DistanceOptions& options) {
   if (options.count > kMaxPoints) {
     throw Error(ErrorCode::usage, std::to_string(options.count) + " distance samples; at most " +
                                       std::to_string(kMaxPoints) + " are supported");
@@ -68,7 +68,7 @@ void requireRoom(const Box& box, const DistanceOptions& options) {
 
 DistanceSequence::DistanceSequence(const TriangleMesh& mesh, const DistanceOptions& options,
                                    const Progress* progress)
-    : options_(checked(options)),
+    : options_(checkedDistances(options)),
       progress_(progress),
       surface_(mesh),
       box_(boxAround(mesh, options)),
@@ -128,7 +128,7 @@ DistanceBlocks DistanceSequence::blocks() const {
 
 DistanceSamples sampleDistances(const TriangleMesh& mesh, const DistanceOptions& options,
                                 const Progress* progress) {
-  if (checked(options).count == 0) return {{}, {}, options.type};
+  if (checkedDistances(options).count == 0) return {{}, {}, options.type};
   return DistanceSequence(mesh, options, progress).samples(0, options.count);
 }
 

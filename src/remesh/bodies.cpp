@@ -39,7 +39,7 @@ std::vector<TriangleMesh> componentsOf(const TriangleMesh& mesh) {
 
 bool contains(const Box& box, const glm::dvec3& p) { return glm::clamp(p, box.min, box.max) == p; }
 
-void append(const TriangleMesh& from, TriangleMesh& to) {
+void appendCavity(const TriangleMesh& from, TriangleMesh& to) {
   const auto first = static_cast<std::uint32_t>(to.vertices.size());
   to.vertices.insert(to.vertices.end(), from.vertices.begin(), from.vertices.end());
   for (const glm::uvec3& t : from.triangles) to.triangles.push_back(t + first);
@@ -82,7 +82,7 @@ std::vector<TriangleMesh> bodiesOf(const TriangleMesh& mesh, const Progress* pro
     if (bodyOf[c] == count) {
       bodies.push_back(std::move(cavities[c]));
     } else {
-      append(cavities[c], bodies[bodyOf[c]]);
+      appendCavity(cavities[c], bodies[bodyOf[c]]);
     }
   }
   return bodies;

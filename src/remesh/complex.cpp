@@ -70,15 +70,15 @@ LabeledMesh meshOf(std::span<const glm::dvec3> vertices, std::span<const Complex
 
 }  // namespace
 
-std::vector<glm::uvec3> trianglesOf(const Complex& complex) {
+std::vector<glm::uvec3> trianglesOf(const LabeledComplex& complex) {
   std::vector<glm::uvec3> triangles;
   triangles.reserve(complex.faces.size());
   for (const ComplexFace& face : complex.faces) triangles.push_back(face.corner);
   return triangles;
 }
 
-Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint32_t> charts) {
-  Complex out{mesh.vertices, std::vector<bool>(mesh.vertices.size(), false), {}, 1};
+LabeledComplex complexOf(const TriangleMesh& mesh, std::span<const std::uint32_t> charts) {
+  LabeledComplex out{mesh.vertices, std::vector<bool>(mesh.vertices.size(), false), {}, 1};
   out.faces.reserve(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     out.faces.push_back({mesh.triangles[t], 1, 0, mesh.neighborOf(t)});
@@ -87,8 +87,8 @@ Complex complexOf(const TriangleMesh& mesh, std::span<const std::uint32_t> chart
   return out;
 }
 
-Complex complexOf(std::span<const LabeledMesh> meshes) {
-  Complex out;
+LabeledComplex complexOf(std::span<const LabeledMesh> meshes) {
+  LabeledComplex out;
   out.labels = static_cast<std::uint16_t>(meshes.size());
   std::size_t positionCount = 0;
   for (const LabeledMesh& mesh : meshes) {

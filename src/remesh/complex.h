@@ -34,7 +34,7 @@ struct ComplexFace {
 };
 
 /// Closed surfaces of labels 1..labels.  A face between two of them is stored once.
-struct Complex {
+struct LabeledComplex {
   std::vector<glm::dvec3> vertices{};
   std::vector<bool> fixed{};  ///< [vertices] non-manifold: a label has several vertices there;
                               ///< empty: none
@@ -46,15 +46,15 @@ struct Complex {
 };
 
 /// Returns the corners of the faces.
-[[nodiscard]] std::vector<glm::uvec3> trianglesOf(const Complex& complex);
+[[nodiscard]] std::vector<glm::uvec3> trianglesOf(const LabeledComplex& complex);
 
 /// Returns the complex of a single closed mesh, as label 1.
 ///   charts  [triangles] as LabeledMesh::chart, or empty
-[[nodiscard]] Complex complexOf(const TriangleMesh& mesh,
-                                std::span<const std::uint32_t> charts = {});
+[[nodiscard]] LabeledComplex complexOf(const TriangleMesh& mesh,
+                                       std::span<const std::uint32_t> charts = {});
 
 /// Returns the complex of the meshes of labels 1..n.
-[[nodiscard]] Complex complexOf(std::span<const LabeledMesh> meshes);
+[[nodiscard]] LabeledComplex complexOf(std::span<const LabeledMesh> meshes);
 
 /// Returns the meshes of labels 1..labels, with neighbors; positionId is the index of the complex's
 /// vertex.

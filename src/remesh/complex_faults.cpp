@@ -30,7 +30,7 @@ glm::dvec3 commonPoint(const std::array<glm::dvec3, 3>& s, const std::array<glm:
 }
 
 // Whether a label other than 0 has more than two of the faces at an edge.
-bool isCrowded(const Complex& complex, std::span<const FaceEdges::Use> uses) {
+bool isCrowded(const LabeledComplex& complex, std::span<const FaceEdges::Use> uses) {
   if (uses.size() <= 3) return false;
   std::vector<std::uint16_t> labels;
   for (const FaceEdges::Use& use : uses) {
@@ -46,7 +46,7 @@ bool isCrowded(const Complex& complex, std::span<const FaceEdges::Use> uses) {
 
 }  // namespace
 
-std::vector<ComplexFault> faultsOf(const Complex& complex, const CrossingPairs& tested,
+std::vector<ComplexFault> faultsOf(const LabeledComplex& complex, const CrossingPairs& tested,
                                    const Progress* progress) {
   const std::vector<glm::uvec3> triangles = trianglesOf(complex);
   const auto corners = [&](std::uint32_t f) {

@@ -22,7 +22,7 @@ struct ComplexFault {
 /// edge; nothing if the surface has no such faults.
 ///   tested  the pairs of faces that are looked at for crossings
 ///   throws  Error(cancelled)
-[[nodiscard]] std::vector<ComplexFault> faultsOf(const Complex& complex,
+[[nodiscard]] std::vector<ComplexFault> faultsOf(const LabeledComplex& complex,
                                                  const CrossingPairs& tested,
                                                  const Progress* progress = nullptr);
 

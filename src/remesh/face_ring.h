@@ -33,6 +33,7 @@ using FaceRing = std::vector<RingPoint>;
 ///   ring    at least three points
 ///   cost    of a diagonal, > 0; its first end is the first one by isBefore
 ///   return  corners of triangles as indices of the ring, counter-clockwise
+///   source  Klincsek, Minimal Triangulations of Polygonal Domains, 1980
 [[nodiscard]] std::vector<std::array<std::size_t, 3>> triangulated(
     const FaceRing& ring, std::span<const glm::dvec3> vertices,
     const std::function<double(const glm::dvec3&, const glm::dvec3&)>& cost);

@@ -138,11 +138,11 @@ bool areValid(const Iterations& iterations) {
 
 bool isShare(double weight) { return weight >= 0.0 && weight <= 1.0; }
 
-bool isAny(const Iterations& iterations) {
+bool smooths(const Iterations& iterations) {
   return iterations.count > 0 || iterations.perVoxel > 0.0;
 }
 
-bool isAny(const NoiseOptions& noise) { return noise.rms > 0.0; }
+bool displaces(const NoiseOptions& noise) { return noise.rms > 0.0; }
 
 bool isValid(const NoiseOptions& noise) {
   return noise.rms >= 0.0 && noise.rms <= 5.0 && noise.hurst >= 0.1 && noise.hurst <= 1.0 &&
@@ -156,7 +156,7 @@ void checkNoise(const SurfaceOptions& options) {
                 "noise on surfaces takes an rms of 0..5 % of the diagonal, a Hurst exponent of "
                 "0.1..1, a wavelength of 0.01..100 %, and common shares of 0..1");
   }
-  if (isAny(options.scanNoise) && options.surface == Surface::exact) {
+  if (displaces(options.scanNoise) && options.surface == Surface::exact) {
     throw Error(ErrorCode::usage,
                 "noise of a scan moves all vertices, and an exact surface has the input's; choose "
                 "the smooth surface",
@@ -180,13 +180,13 @@ bool movesAnything(const SmoothOptions& options, int longestSide) {
 Surface surfaceOf(const SurfaceOptions& options) {
   if (options.surface != Surface::automatic) return options.surface;
   const bool isSmooth = !options.meshes || options.interface == Interface::independent ||
-                        options.scanNoise.rms > 0.0 || isAny(options.smooth.iterations) ||
-                        isAny(options.smooth.boundaryIterations);
+                        options.scanNoise.rms > 0.0 || smooths(options.smooth.iterations) ||
+                        smooths(options.smooth.boundaryIterations);
   return isSmooth ? Surface::smooth : Surface::exact;
 }
 
 bool hasNoise(const SurfaceOptions& options) {
-  return isAny(options.mismatch) || isAny(options.scanNoise);
+  return displaces(options.mismatch) || displaces(options.scanNoise);
 }
 
 double crackAdaptivity(const SurfaceOptions& options) {
@@ -196,8 +196,8 @@ double crackAdaptivity(const SurfaceOptions& options) {
 bool canLackMeshes(const SurfaceOptions& options) {
   return !options.levelSets && options.surface == Surface::smooth &&
          options.interface == Interface::shared && options.adaptivity <= 0.0 &&
-         options.triangles.empty() && !isAny(options.smooth.iterations) &&
-         !isAny(options.smooth.boundaryIterations) && !hasNoise(options);
+         options.triangles.empty() && !smooths(options.smooth.iterations) &&
+         !smooths(options.smooth.boundaryIterations) && !hasNoise(options);
 }
 
 bool keepsUnmerged(const SurfaceOptions& options) {
@@ -213,8 +213,8 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
     throw Error(ErrorCode::usage,
                 "smoothing takes weights of 0..1, and 0..1000 iterations or 0..1 a voxel");
   }
-  const double largest = std::max(isAny(smooth.iterations) ? smooth.weight : 0.0,
-                                  isAny(smooth.boundaryIterations) ? smooth.boundaryWeight : 0.0);
+  const double largest = std::max(smooths(smooth.iterations) ? smooth.weight : 0.0,
+                                  smooths(smooth.boundaryIterations) ? smooth.boundaryWeight : 0.0);
   if (smooth.method == Smoothing::taubin && largest > kMostTaubinWeight) {
     throw Error(ErrorCode::usage,
                 "Taubin's smoothing takes weights of 0..2/3, or short waves grow; more needs "
@@ -227,7 +227,7 @@ void checkSurfaceOptions(const SurfaceOptions& options) {
   }
   checkNoise(options);
   if (options.surface == Surface::exact &&
-      (isAny(smooth.iterations) || isAny(smooth.boundaryIterations))) {
+      (smooths(smooth.iterations) || smooths(smooth.boundaryIterations))) {
     throw Error(ErrorCode::usage, "exact surfaces take no smoothing", OptionNames{"surface"});
   }
   if (!options.meshes && !canLackMeshes(options)) {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/cancel_flag.h"
+#include "base/finite.h"
 #include "base/random.h"
 #include "base/text/formatted.h"
 #include "seed/draw/irwin_hall.h"
@@ -25,10 +26,6 @@ namespace {
 
 Error usageError(std::size_t number, const std::string& what, OptionNames options = {}) {
   return Error(ErrorCode::usage, "impact " + std::to_string(number + 1) + what, std::move(options));
-}
-
-bool isFinite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 // Returns whether a point of the mesh belongs to the solid, not to a component that was dropped.

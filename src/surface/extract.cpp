@@ -100,8 +100,8 @@ CutExtent extentFor(const SurfaceOptions& surface) {
   return surface.interface == Interface::independent ? CutExtent::everywhere : CutExtent::cells;
 }
 
-SurfaceOptions checked(const Solid& solid, const ExtractOptions& options,
-                       const Progress* progress) {
+SurfaceOptions decidedSurface(const Solid& solid, const ExtractOptions& options,
+                              const Progress* progress) {
   checkSurfaceOptions(options.surface);
   if (options.uneroded != nullptr) checkLabels(*options.uneroded, solid);
   reportProgress(progress, "extract", 0.0);
@@ -119,7 +119,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
     : solid_(solid),
       labels_(labels),
       uneroded_(options.uneroded),
-      surface_(checked(solid, options, progress)),
+      surface_(decidedSurface(solid, options, progress)),
       keepsUnmerged_(keepsUnmerged(options.surface)),
       progress_(progress),
       intact_(options.intact),
@@ -157,7 +157,7 @@ void Extraction::makeSmooth() {
   }
   auto shared = std::make_shared<const FragmentSurfaces>(solid_, labels_, uneroded_, cut_,
                                                          SurfaceVertices::all, progress_);
-  const bool isProcessed = simplification_.isAny() || !surface_.triangles.empty() ||
+  const bool isProcessed = simplification_.changesMeshes() || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid_.box.longestSide()) ||
                            noise_.isAny() || !smooth_.empty();
   if (isProcessed) {
@@ -233,9 +233,9 @@ void Extraction::processTogether(std::shared_ptr<const FragmentSurfaces> surface
   smoothTogether(all.meshes, surface_.smooth, solid_.box.longestSide(), progress_);
   throwIfCancelled(progress_);
   if (solid_.seams) all.cutFaces = cutTogether(all.meshes, *solid_.seams, solid_.frame);
-  if (simplification_.isAny()) {
+  if (simplification_.changesMeshes()) {
     all.cutFaces.clear();
-    Complex complex = complexOf(std::exchange(all.meshes, {}));
+    LabeledComplex complex = complexOf(std::exchange(all.meshes, {}));
     all.meshes = simplified(std::move(complex), simplification_, progress_);
   }
   if (!surface_.triangles.empty()) {
@@ -283,17 +283,17 @@ void Extraction::meshIndependent(Fragment& fragment) const {
     partKinds(meshed, id - std::size_t{1});
     slideCracks(meshed, solid_.frame, key);
     // Planes are merged first: they would no longer be planes.
-    if (!simplification_.isAny()) jitterCracks(meshed.mesh, solid_.frame, key);
+    if (!simplification_.changesMeshes()) jitterCracks(meshed.mesh, solid_.frame, key);
     fragment.mesh = std::move(meshed.mesh);
   }
   fragment.mesh =
       smoothed(std::move(fragment.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
   if (surface_.surface == Surface::smooth) cutSeams(fragment);
   std::vector<std::uint32_t> charts;
-  const bool isSimplified = simplification_.isAny() || !surface_.triangles.empty();
+  const bool isSimplified = simplification_.changesMeshes() || !surface_.triangles.empty();
   if (isSimplified && solid_.seams && surface_.surface == Surface::smooth)
     charts = seamCharts(fragment.mesh, *solid_.seams, solid_.frame);
-  if (simplification_.isAny()) {
+  if (simplification_.changesMeshes()) {
     fragment.cutFaces.clear();
     LabeledMesh simple =
         std::move(simplified(complexOf(fragment.mesh, charts), simplification_, progress_).front());
@@ -409,7 +409,7 @@ std::vector<Fragment> measuredFragments(const FragmentSurfaces& surfaces, const 
 ExtractedFragments extractAll(const Solid& solid, const Labels& labels,
                               const ExtractOptions& options, const Progress* progress) {
   if (!options.surface.meshes) {
-    (void)checked(solid, options, progress);
+    (void)decidedSurface(solid, options, progress);
     auto surfaces = std::make_shared<const FragmentSurfaces>(solid, labels, options.uneroded,
                                                              options.intact, progress);
     return {.fragments = measuredFragments(*surfaces, solid, labels, options.uneroded, progress),
@@ -446,7 +446,7 @@ TriangleMesh solidMesh(const Solid& solid, double adaptivity) {
   if (solid.seams) cutTogether(std::span(&mesh, 1), *solid.seams, solid.frame);
   const Simplification simplification =
       simplificationOf({.surface = Surface::smooth, .adaptivity = adaptivity}, solid);
-  if (!simplification.isAny()) return std::move(mesh.mesh);
+  if (!simplification.changesMeshes()) return std::move(mesh.mesh);
   return std::move(simplified(complexOf(std::span(&mesh, 1)), simplification).front().mesh);
 }
 

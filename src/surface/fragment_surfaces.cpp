@@ -50,7 +50,7 @@ class AreasOfLeaf {
   std::size_t next_ = 0;
 };
 
-const Solid& checked(const Solid& solid, const Labels& labels, const Labels* uneroded) {
+const Solid& checkedSolid(const Solid& solid, const Labels& labels, const Labels* uneroded) {
   (void)checkedCounts(labels, solid);
   if (uneroded != nullptr) checkLabels(*uneroded, solid);
   return solid;
@@ -72,7 +72,7 @@ FragmentSurfaces::FragmentSurfaces(const Solid& solid, const Labels& labels, con
                                    const Progress* progress)
     : FragmentSurfaces(
           solid, labels, uneroded,
-          cutSolid(checked(solid, labels, uneroded), labels, std::move(intact), progress),
+          cutSolid(checkedSolid(solid, labels, uneroded), labels, std::move(intact), progress),
           SurfaceVertices::changed, progress) {}
 
 FragmentSurfaces::FragmentSurfaces(const Solid& solid, const Labels& labels, const Labels* uneroded,

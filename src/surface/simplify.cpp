@@ -28,7 +28,7 @@ FacetOptions facetsInVoxels() {
 
 // Moves vertices to index space, rounded so that what is decided by positions does not depend on
 // the frame.  Returns them as they were.
-std::vector<glm::dvec3> toVoxels(Complex& complex, const GridFrame& frame) {
+std::vector<glm::dvec3> toVoxels(LabeledComplex& complex, const GridFrame& frame) {
   constexpr double kGrid = 0x1p-24;
   std::vector<glm::dvec3> world = complex.vertices;
   for (glm::dvec3& v : complex.vertices) v = kGrid * glm::round(frame.indexFromWorld(v) / kGrid);
@@ -36,13 +36,13 @@ std::vector<glm::dvec3> toVoxels(Complex& complex, const GridFrame& frame) {
 }
 
 // Vertices that did not move keep their bits.
-std::vector<LabeledMesh> mergedPlanes(Complex complex, const GridFrame& frame,
+std::vector<LabeledMesh> mergedPlanes(LabeledComplex complex, const GridFrame& frame,
                                       const Progress* progress) {
   const std::vector<glm::dvec3> world = toVoxels(complex, frame);
   MergedFacets merged = withMergedFacets(
       complex, {.mostFaults = mostFaultsOf(complex.faces.size()), .facets = facetsInVoxels()},
       progress);
-  Complex& after = merged.complex;
+  LabeledComplex& after = merged.complex;
   for (std::size_t v = 0; v < after.vertices.size(); ++v) {
     const std::uint32_t source = merged.vertex[v];
     after.vertices[v] = after.vertices[v] == complex.vertices[source]
@@ -66,7 +66,7 @@ Simplification simplificationOf(const SurfaceOptions& options, const Solid& soli
   return {.mergesPlanes = isFlat, .frame = solid.frame};
 }
 
-std::vector<LabeledMesh> simplified(Complex complex, const Simplification& simplification,
+std::vector<LabeledMesh> simplified(LabeledComplex complex, const Simplification& simplification,
                                     const Progress* progress) {
   if (simplification.error > 0.0) return simplified(complex, simplification.error, progress);
   return mergedPlanes(std::move(complex), simplification.frame, progress);

@@ -14,7 +14,7 @@ struct Simplification {
   GridFrame frame{};
   double error = 0.0;  ///< world units; above 0: decimates, see decimate.h
 
-  [[nodiscard]] bool isAny() const { return mergesPlanes || error > 0.0; }
+  [[nodiscard]] bool changesMeshes() const { return mergesPlanes || error > 0.0; }
 };
 
 /// Returns what the adaptivity is for a solid.
@@ -24,7 +24,7 @@ struct Simplification {
 
 /// Returns the simplified meshes of all labels, [labels].
 ///   throws  Error(cancelled)
-[[nodiscard]] std::vector<LabeledMesh> simplified(Complex complex,
+[[nodiscard]] std::vector<LabeledMesh> simplified(LabeledComplex complex,
                                                   const Simplification& simplification,
                                                   const Progress* progress = nullptr);
 

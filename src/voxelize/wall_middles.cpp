@@ -29,12 +29,12 @@ class SamplesAround {
       for (std::size_t i = 0; i < kWallSamples && at != LeafBlocks::kNone; ++i) {
         const WallSample& sample = samples[std::size_t{at} * kWallSamples + i];
         near_[static_cast<std::size_t>(k)] = &samples[std::size_t{at} * kWallSamples];
-        isAny_ = isAny_ || sample.weight > 0.0F;
+        hasSamples_ = hasSamples_ || sample.weight > 0.0F;
       }
     }
   }
 
-  bool isAny() const { return isAny_; }
+  bool hasSamples() const { return hasSamples_; }
 
   // Returns the way to the middle from a voxel of the leaf: the mean of those to the planes in the
   // middle of the wall at the samples around it, as far as these are known.
@@ -64,7 +64,7 @@ class SamplesAround {
   }
 
   std::array<const WallSample*, 8> near_{};
-  bool isAny_ = false;
+  bool hasSamples_ = false;
 };
 
 // Sets the ways of a leaf's voxels; returns the longest along an axis.
@@ -101,7 +101,7 @@ WallMiddles::WallMiddles(const Solid& solid, std::span<const glm::dmat3> normals
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.count(), 16), [&](const auto& range) {
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
       const SamplesAround around(blocks, samples, leaf);
-      if (around.isAny()) reach[leaf] = setWays(blocks, around, leaf, ways_);
+      if (around.hasSamples()) reach[leaf] = setWays(blocks, around, leaf, ways_);
     }
   });
   throwIfCancelled(progress);

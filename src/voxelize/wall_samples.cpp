@@ -153,11 +153,11 @@ class NormalsAround {
                                            : findLeaf(blocks, blocks.origins[leaf] + offset);
       near_[static_cast<std::size_t>(k)] =
           around == LeafBlocks::kNone ? glm::dmat3(0.0) : normals[around];
-      isAny_ = isAny_ || trace(near_[static_cast<std::size_t>(k)]) > 0.0;
+      hasNormals_ = hasNormals_ || trace(near_[static_cast<std::size_t>(k)]) > 0.0;
     }
   }
 
-  bool isAny() const { return isAny_; }
+  bool hasNormals() const { return hasNormals_; }
 
   // Linear between the leaves' centers.
   glm::dmat3 at(int x, int y, int z) const {
@@ -182,7 +182,7 @@ class NormalsAround {
 
  private:
   std::array<glm::dmat3, 27> near_;
-  bool isAny_ = false;
+  bool hasNormals_ = false;
 };
 
 // Returns the sample at a voxel, of a distance to the surface.
@@ -224,7 +224,7 @@ std::vector<WallSample> wallSamples(const Solid& solid, std::span<const glm::dma
     const Distances distances(solid);
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
       const NormalsAround around(blocks, normals, leaf);
-      if (around.isAny()) sampleLeaf(blocks, distances, around, leaf, most, samples);
+      if (around.hasNormals()) sampleLeaf(blocks, distances, around, leaf, most, samples);
     }
   });
   stop.throwIfSet();

@@ -28,6 +28,8 @@ constexpr double kFarthestFromWall = 1.8;  ///< voxels: cells at the surface hav
 ///   most     voxels: walls thicker than this have weight 0, and weights fall from 3/4 on
 ///   return   [leaves*64]
 ///   throws   Error(cancelled)
+///   source   Hart, Sphere Tracing: A Geometric Method for the Antialiased Ray Tracing of Implicit
+///            Surfaces, 1996 (steps of the distance)
 [[nodiscard]] std::vector<WallSample> wallSamples(const Solid& solid,
                                                   std::span<const glm::dmat3> normals, double most,
                                                   const Progress* progress);

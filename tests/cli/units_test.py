@@ -316,11 +316,6 @@ class Units(CommandLine):
             self.assertEqual((scene["unit"], scene["up"]), ("cm", "z"))
             self.assertAlmostEqual(scene["density"], 2500 * 1e-6, places=9)  # kilograms in a cubic centimeter
 
-    def test_former_name_is_accepted(self):
-        result = self.done("--write", "labels", "--meters-per-unit", "0.01")
-        self.assertIn("--meters-per-unit is now --unit", result.stderr)
-        self.assertEqual(self.manifest()["source"]["unit"]["name"], "cm")
-
 
 if __name__ == "__main__":
     skipping.main()

@@ -380,18 +380,6 @@ class Command(Viewer):
         self.assertEqual((result.returncode, result.stderr.count("\n")), (0, 1))
         self.assertIn("xdg-open", result.stderr)
 
-    def test_an_earlier_fracture(self):
-        self.done("--write", "mesh", mesh=None)
-        manifest = self.manifest()
-        manifest["schema"] = "sherd/1"
-        for fragment in manifest["fragments"]:
-            for key in ("surface", "inertia", "centroid"):
-                del fragment[key]
-        del manifest["withheld"]
-        with open(os.path.join(self.out, "manifest.json"), "w") as file:
-            json.dump(manifest, file)
-        self.assertEqual(len(self.viewed().pieces), 3)
-
     def test_two_components(self):
         write_obj(self.path("pair.obj"), joined(sphere(), sphere(center=(3, 0, 0))))
         for page in self.both(mesh=self.path("pair.obj"), pieces=5):

@@ -149,10 +149,10 @@ def use(value):
 
 def forgery(state, rng, folder):
     """Unpickles a state that was forged, and uses what comes out; returns the outcome."""
-    from pysherd._solid import _unpickled
+    from pysherd._pickles import solid_again
 
     try:
-        value = _unpickled(forged(state, rng))
+        value = solid_again(forged(state, rng))
     except pysherd.InputError:
         return "refused"
     except Exception as e:

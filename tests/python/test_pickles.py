@@ -1,5 +1,6 @@
 """Pickles: the same object again, and an InputError for what is damaged, forged, or of another version."""
 import collections
+import copyreg
 import json
 import os
 import pickle
@@ -14,12 +15,10 @@ from conftest import cube, run
 
 import pysherd
 from pysherd import _core
-from pysherd._break import broken_again, loaded_again, parts_again
-from pysherd._fragment import _fragment_again
 from pysherd._options import _options_again
-from pysherd._solid import _unpickled
+from pysherd._pickles import broken_again, fragment_again, loaded_again, parts_again, solid_again
 
-OURS = {"solid": _unpickled, "fracture": broken_again, "loaded": loaded_again, "again": parts_again, "fragment": _fragment_again, "options": _options_again}
+OURS = {"solid": solid_again, "fracture": broken_again, "loaded": loaded_again, "again": parts_again, "fragment": fragment_again, "options": _options_again}
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +32,7 @@ NAMES = ["textured", "arrays", "volume", "level set", "fracture", "exact", "frag
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_is_unpickled_is_the_same(subjects, name):
+def test_what_issolid_again_is_the_same(subjects, name):
     data = pickle.dumps(subjects[name])
     assert damages.outcome(data, True, subjects[name]) == "same"
     assert 1 <= len(damages.states_in(data)) <= 4
@@ -86,7 +85,7 @@ def test_another_version_is_named(subjects, number):
     state = bytearray(subjects["arrays"]._core.state)
     state[7] = number
     with pytest.raises(pysherd.InputError, match=f"another version of pysherd.*format {number}, and format 3 is read; make it again"):
-        _unpickled(bytes(state))
+        solid_again(bytes(state))
 
 
 def test_a_state_of_another_kind_is_refused(subjects):
@@ -95,7 +94,7 @@ def test_a_state_of_another_kind_is_refused(subjects):
 
 
 def test_a_fracture_of_another_solid_is_refused(subjects):
-    solid, (function, (_, state)) = pysherd.voxelize(cube(2), resolution=12), subjects["fracture"].__reduce__()
+    solid, (function, (_, state)) = pysherd.voxelize(cube(2), resolution=12), copyreg.dispatch_table[pysherd.Fracture](subjects["fracture"])
     with pytest.raises(pysherd.InputError, match="the solid of another fracture"):
         function(solid, state)
 
@@ -148,14 +147,14 @@ def solid_fields(**fields):
 
 
 def test_the_state_that_forgeries_begin_with_is_right():
-    assert _unpickled(solid_state()).voxels == pysherd.voxelize(cube(), resolution=12).voxels
+    assert solid_again(solid_state()).voxels == pysherd.voxelize(cube(), resolution=12).voxels
     state = solid_state()
     assert zlib.crc32(state[:-4]) == int.from_bytes(state[-4:], "little")
 
 
 def test_a_solid_of_an_older_version_is_refused():
     with pytest.raises(pysherd.InputError, match="^this pickle of a solid is of another version of pysherd or damaged: its state has format 1, and format 3 is read; make it again$"):
-        _unpickled(state_of_format_1())
+        solid_again(state_of_format_1())
 
 
 V, F = cube()
@@ -204,13 +203,13 @@ MATERIAL = text(b"m") + struct.pack("<Q3f", 1, 1, 1, 1)
 ], ids=lambda v: v if isinstance(v, str) else "-".join(v))  # fmt: skip
 def test_a_forged_state_is_refused_as_a_file_is(named, fields):
     with pytest.raises(pysherd.InputError, match=named) as caught:
-        _unpickled(solid_state(**fields))
+        solid_again(solid_state(**fields))
     assert "\n" not in str(caught.value) and not str(caught.value).endswith(".")
 
 
 def test_voxels_that_are_too_many_for_the_memory_are_refused():
     with pytest.raises(pysherd.InputError, match="voxel|memory"):
-        _unpickled(solid_state(own_voxel_size=one(1e-12, "d")))
+        solid_again(solid_state(own_voxel_size=one(1e-12, "d")))
 
 
 @pytest.mark.parametrize("name", ["textured", "arrays", "volume", "exact"])
@@ -240,7 +239,7 @@ def test_options_of_a_forged_fracture_are_checked(subjects, given):
 @pytest.mark.parametrize("index", [b"", b"x", b"3", b"-1", b"1e3", b"9" * 5000])
 def test_a_forged_fragment_is_refused(subjects, index):
     with pytest.raises(pysherd.InputError):
-        _fragment_again(subjects["fracture"], _core.sealed("fragment", index))
+        fragment_again(subjects["fracture"], _core.sealed("fragment", index))
 
 
 @pytest.mark.parametrize("content", [b"", b"x", pickle.dumps(3), pickle.dumps({"piece": 3}), pickle.dumps({"pieces": 0}), pickle.dumps({3: 3})])
@@ -252,10 +251,10 @@ def test_forged_options_are_refused(content):
 FULL = """
 import pickle, resource, sys, pysherd
 state = pickle.loads(open(sys.argv[1], "rb").read())
-from pysherd._solid import _unpickled
+from pysherd._pickles import solid_again
 resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 try:
-    _unpickled(state)
+    solid_again(state)
 except pysherd.OutputError as e:
     print("refused:", e)
 """

@@ -114,7 +114,7 @@ def from_ply(path, name, made):
     """The object of a .ply: materials by name, texture coordinates, colors, and faces' `neighbor` as an attribute."""
     comments, vertex, face = read_ply(path)
     mesh = bpy.data.meshes.new(name)
-    neighbor = face["neighbor" if "neighbor" in face else "facing"].astype(np.int32)
+    neighbor = face["neighbor"].astype(np.int32)
     corners, lengths = face["vertex_indices"], face["n_vertex_indices"].astype(np.int32)
     mesh.vertices.add(len(vertex["x"]))
     mesh.vertices.foreach_set("co", np.column_stack([vertex[axis] for axis in "xyz"]).astype(np.float32).ravel())
@@ -214,8 +214,8 @@ def bring(options):
         sys.exit(f"{options.folder}: no manifest.json; a finished fracture's folder is needed")
     except ValueError:
         sys.exit(f"{options.folder}: manifest.json is not JSON")
-    if manifest.get("schema") not in ("sherd/1", "sherd/2"):
-        sys.exit(f"{options.folder}: manifest.json is of neither schema sherd/1 nor sherd/2")
+    if manifest.get("schema") != "sherd/2":
+        sys.exit(f"{options.folder}: manifest.json is not of schema sherd/2")
     kind = "vdb" if options.volumes else "mesh"
     things, made = [], {}
     for fragment in manifest["fragments"]:

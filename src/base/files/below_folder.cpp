@@ -2,8 +2,10 @@
 #include "base/files/below_folder.h"
 
 #include <sherd/error.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 
 #include "base/files/atomic_file.h"
 #include "base/input_error.h"
@@ -75,6 +77,13 @@ bool isOwnFile(const fs::path& folder, const std::string& file) {
     if (!fs::is_directory(fs::symlink_status(at, none))) return false;
   }
   return fs::is_regular_file(fs::symlink_status(folder / file, none));
+}
+
+void removeOwnFile(const fs::path& folder, const std::string& file) {
+  if (!isOwnFile(folder, file)) return;
+  if (::unlink((folder / file).c_str()) == 0 || errno == ENOENT) return;
+  throw Error(ErrorCode::output,
+              (folder / file).string() + ": cannot be removed: " + reasonOf(errno));
 }
 
 }  // namespace sherd

@@ -29,4 +29,8 @@ void requireOwnFile(const std::filesystem::path& folder, const std::string& file
 /// Whether a regular file exists below a folder, without symbolic links in its path.
 [[nodiscard]] bool isOwnFile(const std::filesystem::path& folder, const std::string& file);
 
+/// Removes a file if isOwnFile.
+///   throws  Error(output)
+void removeOwnFile(const std::filesystem::path& folder, const std::string& file);
+
 }  // namespace sherd

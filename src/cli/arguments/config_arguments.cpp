@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "cli/arguments/config_file.h"
-#include "cli/arguments/former_names.h"
 #include "cli/arguments/nearest_name.h"
 
 namespace sherd::cli {
@@ -121,7 +120,7 @@ std::vector<std::string> expandedArguments(const std::vector<std::string>& argum
   for (const Given& option : options) {
     if (option.name != "--config" || !option.value) continue;
     for (const ConfiguredOption& configured : optionsIn(*option.value)) {
-      for (Given& own : given(withCurrentNames(configured), command)) {
+      for (Given& own : given(configured, command)) {
         if (!named.contains(own.name)) ofFiles.push_back(std::move(own));
       }
     }

@@ -31,22 +31,4 @@ namespace sherd::cli {
 [[noreturn]] void refuse(const std::string& option, const std::string& text,
                          const std::string& expected);
 
-/// Adds an option whose value is one of `names`, in the order of the enum.
-template <class Enum>
-CLI::Option* addChoice(CLI::App& command, const std::string& name, Enum& value,
-                       std::span<const char* const> names, const std::string& help) {
-  const std::vector<std::string> choices(names.begin(), names.end());
-  return command
-      .add_option_function<std::string>(
-          name,
-          [&value, choices](const std::string& text) {
-            const auto at = std::find(choices.begin(), choices.end(), text);
-            value = static_cast<Enum>(at - choices.begin());
-          },
-          help)
-      ->check(CLI::IsMember(choices))
-      ->type_name("")
-      ->default_str(names[static_cast<std::size_t>(value)]);
-}
-
 }  // namespace sherd::cli

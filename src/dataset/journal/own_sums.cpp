@@ -2,12 +2,9 @@
 #include "dataset/journal/own_sums.h"
 
 #include <fnmatch.h>
-#include <sherd/error.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <set>
 #include <string_view>
 
@@ -123,12 +120,7 @@ OwnSums readOwnSums(const fs::path& out) {
   return sums;
 }
 
-void removeOwnSums(const fs::path& out) {
-  if (!isOwnFile(out, kSumsName)) return;
-  if (::unlink((out / kSumsName).c_str()) == 0 || errno == ENOENT) return;
-  throw Error(ErrorCode::output,
-              (out / kSumsName).string() + ": cannot be removed: " + reasonOf(errno));
-}
+void removeOwnSums(const fs::path& out) { removeOwnFile(out, kSumsName); }
 
 void writeOwnSums(const fs::path& out, const OwnSums& before,
                   const std::vector<const LibraryObject*>& written) {

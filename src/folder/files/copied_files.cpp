@@ -2,7 +2,6 @@
 #include "folder/files/copied_files.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 
@@ -41,9 +40,7 @@ CopiedFiles::CopiedFiles(const FinishedFracture& finished, const FractureResult&
       isBeside_(stays_.size(), false),
       arePlain_(write.plainMeshes) {
   if (manifest_.empty()) return;
-  nlohmann::json json;
-  const Manifest manifest = readManifest(manifest_, json);
-  namesNeighbors_ = json["schema"] == kManifestSchema;  // else they have their former name
+  const Manifest manifest = readManifest(manifest_);
   const RunOptions earlier = inheritedOptions(manifest_);
   const WriteOptions& old = earlier.write;
   listed_.insert(manifest.files.begin(), manifest.files.end());
@@ -85,8 +82,6 @@ bool CopiedFiles::copyMesh(const Fragment& fragment, const std::string& name,
                            const OutputFolder& to) const {
   // Other surfaces than exact ones are made again, of all fragments together.
   if (fragment.meshedAs != Surface::exact || !isSame(fragment, meshes_, name)) return false;
-  const bool holdsNeighbors = name.ends_with(".ply") || name.ends_with(".glb");
-  if (holdsNeighbors && !arePlain_ && !namesNeighbors_) return false;
   const bool hasNewNeighbors = !arePlain_ && isBeside_[static_cast<std::size_t>(fragment.id)];
   if (hasNewNeighbors && name.ends_with(".glb")) return false;
   if (!hasNewNeighbors || !name.ends_with(".ply")) {
@@ -102,8 +97,7 @@ bool CopiedFiles::copyMesh(const Fragment& fragment, const std::string& name,
 
 bool CopiedFiles::copyPoints(const Fragment& fragment, const std::string& name,
                              const OutputFolder& to) const {
-  const bool areSame = points_ && namesNeighbors_;
-  if (fragment.meshedAs != Surface::exact || !isSame(fragment, areSame, name)) return false;
+  if (fragment.meshedAs != Surface::exact || !isSame(fragment, points_, name)) return false;
   if (isBeside_[static_cast<std::size_t>(fragment.id)]) return false;  // points have neighbors
   copy(name, to);
   return true;

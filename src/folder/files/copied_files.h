@@ -44,7 +44,6 @@ class CopiedFiles {
   std::unordered_set<std::string> listed_{};
   std::vector<bool> stays_{}, isBeside_{};  ///< [old fragments + 1] not broken; beside a broken one
   bool arePlain_ = false;
-  bool namesNeighbors_ = false;  ///< as this version does
   // Whether the options of a kind of files are what they were.
   bool levelSets_ = false, meshes_ = false, points_ = false, proxies_ = false;
 };

@@ -28,10 +28,8 @@ bool isFractureFile(const std::string& name) {
 
 Json readManifestJson(const fs::path& file) { return readJson(file, kKind, kLargestFile); }
 
-bool hasKnownSchema(const Json& json) {
-  if (!json.is_object()) return false;
-  const Json schema = json.value("schema", Json());
-  return schema == kManifestSchema || schema == kFormerManifestSchema;
+bool hasManifestSchema(const Json& json) {
+  return json.is_object() && json.value("schema", Json()) == kManifestSchema;
 }
 
 std::optional<std::vector<std::string>> listedFiles(const Json& manifest) {
@@ -50,7 +48,7 @@ std::optional<Json> manifestJson(const fs::path& file) {
   if (!fs::is_regular_file(fs::symlink_status(file, none))) return {};
   try {
     Json json = readManifestJson(file);
-    if (!hasKnownSchema(json)) return {};
+    if (!hasManifestSchema(json)) return {};
     return json;
   } catch (const Error&) {
     return {};

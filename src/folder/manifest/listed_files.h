@@ -12,7 +12,6 @@
 namespace sherd {
 
 inline constexpr const char* kManifestSchema = "sherd/2";
-inline constexpr const char* kFormerManifestSchema = "sherd/1";  ///< read too, never written
 inline constexpr const char* kAutomatic = "auto";              ///< options.resolution if automatic
 inline constexpr const char* kPartialName = ".sherd-partial";  ///< folder of an unfinished fracture
 
@@ -27,7 +26,7 @@ inline constexpr const char* kPartialName = ".sherd-partial";  ///< folder of an
 ///   throws  Error(input)
 [[nodiscard]] nlohmann::json readManifestJson(const std::filesystem::path& file);
 
-/// Whether it has a schema that is known.
-[[nodiscard]] bool hasKnownSchema(const nlohmann::json& json);
+/// Whether it has a manifest's schema.
+[[nodiscard]] bool hasManifestSchema(const nlohmann::json& json);
 
 }  // namespace sherd

@@ -118,7 +118,7 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   const Json thin = json.value("thin_contacts", Json::array());
   if (!thin.is_array()) damaged(where + "'s \"thin_contacts\" is not a list");
   fragment.contacts = contacts.size() + thin.size();
-  const Json surface = json.value("surface", Json());  // manifests of sherd/1 may be without
+  const std::string surface = text(field(json, "surface", where), where + "'s \"surface\"");
   fragment.isOfVoxelFaces = surface == names::of(names::kSurface, Surface::labels);
   fragment.isExact = surface == names::of(names::kSurface, Surface::exact);
   if (json.contains("split")) {
@@ -138,12 +138,10 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   return fragment;
 }
 
-/// What coordinates mean; of a manifest that does not say, meters, and the axis of its images.
+/// What coordinates mean.
 CoordinateSystem coordinatesIn(const Json& json) {
   CoordinateSystem coordinates;
   const Json& source = json["source"];
-  const Json formerUp = json["options"].value("up", Json());
-  if (formerUp == "x" || formerUp == "z") coordinates.up = formerUp.get<std::string>().front();
   const auto basisOf = [](const Json& own) {
     const Json from = own.value("from", Json());
     for (const CoordinateBasis basis : {CoordinateBasis::file, CoordinateBasis::option}) {
@@ -151,19 +149,16 @@ CoordinateSystem coordinatesIn(const Json& json) {
     }
     return CoordinateBasis::format;
   };
-  if (source.contains("unit")) {
-    const Json& unit = source["unit"];
-    coordinates.metersPerUnit =
-        number(unit, "meters", std::numeric_limits<double>::min(), kAnyNumber, "its source's unit");
-    coordinates.unitFrom = basisOf(unit);
-  }
-  if (source.contains("up")) {
-    const std::string axis =
-        text(field(source["up"], "axis", "its source's \"up\""), "the axis of its source's \"up\"");
-    if (axis != "x" && axis != "y" && axis != "z") damaged("its source's \"up\" is not x, y or z");
-    coordinates.up = axis.front();
-    coordinates.upFrom = basisOf(source["up"]);
-  }
+  const Json& unit = field(source, "unit", "its source");
+  coordinates.metersPerUnit =
+      number(unit, "meters", std::numeric_limits<double>::min(), kAnyNumber, "its source's unit");
+  coordinates.unitFrom = basisOf(unit);
+  const Json& up = field(source, "up", "its source");
+  const std::string axis =
+      text(field(up, "axis", "its source's \"up\""), "the axis of its source's \"up\"");
+  if (axis != "x" && axis != "y" && axis != "z") damaged("its source's \"up\" is not x, y or z");
+  coordinates.up = axis.front();
+  coordinates.upFrom = basisOf(up);
   return coordinates;
 }
 
@@ -204,7 +199,7 @@ void readSplits(Manifest& manifest, const Json& splits) {
 }  // namespace
 
 Manifest manifestOf(const Json& json) {
-  if (!hasKnownSchema(json)) {
+  if (!hasManifestSchema(json)) {
     throw Error(ErrorCode::input, std::string("is no manifest of a fracture; expected JSON with "
                                               "\"schema\": \"") +
                                       kManifestSchema + "\"");
@@ -224,7 +219,7 @@ Manifest manifestOf(const Json& json) {
   manifest.dims = coordinates(grid, "dims", 1, "its grid");
   manifest.indexMin = coordinates(grid, "index_min", -kFarthestVoxel, "its grid");
   manifest.solidVoxels = count(grid, "solid_voxels", "its grid");
-  manifest.components = count(json, json.contains("components") ? "components" : "parts", "it");
+  manifest.components = count(json, "components", "it");
   if (json.contains("offset")) manifest.offset = vectorIn(json["offset"], "its \"offset\"");
   std::optional<std::vector<std::string>> files = listedFiles(json);
   if (!files) damaged("its list of files is absent or leaves the folder");

@@ -171,7 +171,8 @@ bool JoinedMaterials::isComplete() const {
   return std::all_of(isCompleted_.begin(), isCompleted_.end(), [](bool is) { return is; });
 }
 
-void append(FragmentMeshes& all, SourceMesh own, const std::vector<std::uint32_t>& materials) {
+void appendFragment(FragmentMeshes& all, SourceMesh own,
+                    const std::vector<std::uint32_t>& materials) {
   SurfaceAttributes& to = all.faces.attributes;
   SurfaceAttributes& from = own.mesh.attributes;
   const std::size_t before = all.faces.triangles.size(), more = own.mesh.triangles.size();

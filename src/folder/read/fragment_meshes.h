@@ -50,7 +50,8 @@ struct FragmentMeshes {
 
 /// Appends a fragment's mesh; what one of the two lacks of the attributes has default values.
 ///   materials  [own materials] their indices in all.appearance
-void append(FragmentMeshes& all, SourceMesh own, const std::vector<std::uint32_t>& materials);
+void appendFragment(FragmentMeshes& all, SourceMesh own,
+                    const std::vector<std::uint32_t>& materials);
 
 /// Sets the neighbors of meshes without: two fragments have the faces between them in common. Where
 /// a crack of one was cut later and that of the other was not, the neighbor is the fragment of the

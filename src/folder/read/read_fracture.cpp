@@ -148,7 +148,7 @@ void readFragmentMeshes(const fs::path& path, FinishedFracture& finished, std::u
     SourceMesh own = readMesh(listedFile(file, name), {.maxMemory = maxMemory});
     hasNeighbors &= !own.mesh.neighbor.empty();
     const std::vector<std::uint32_t> indices = materials.add(own.appearance);
-    append(all, std::move(own), indices);
+    appendFragment(all, std::move(own), indices);
   }
   if (!hasNeighbors && !setNeighbors(all, finished.solid.frame, finished.labels)) return;
   completeMaterials(materials, file, manifest, maxMemory);

@@ -11,19 +11,12 @@
 #include "base/text/natural_order.h"
 #include "folder/manifest/partial_folder.h"
 #include "folder/manifest/read_manifest.h"
+#include "folder/read/fragment_meshes.h"
 
 namespace sherd {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Returns the mesh file in the format with neighbors, else the first; empty if there are none.
-std::string meshOf(const std::vector<std::string>& meshes) {
-  for (const std::string& mesh : meshes) {
-    if (mesh.ends_with(".ply")) return mesh;
-  }
-  return meshes.empty() ? "" : meshes.front();
-}
 
 FragmentSet listOf(const Manifest& manifest) {
   FragmentSet set;
@@ -36,7 +29,7 @@ FragmentSet listOf(const Manifest& manifest) {
   set.coordinates = manifest.coordinates;
   for (const ManifestFragment& fragment : manifest.fragments) {
     EvaluatedFragment& result = set.fragments.emplace_back();
-    result.name = meshOf(fragment.meshes);
+    result.name = meshWithNeighbors(fragment.meshes);
     result.mesh.id = fragment.id;
     result.share = fragment.share;
     result.volume = fragment.volume;

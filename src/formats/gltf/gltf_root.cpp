@@ -40,12 +40,12 @@ Json assetExtras(const CoordinateSystem& coordinates) {
 
 std::optional<CoordinateSystem> coordinatesBelow(const nlohmann::json& asset,
                                                  const nlohmann::json& root) {
-  const auto own = [](const nlohmann::json& object, const char* key) {
+  const auto memberOf = [](const nlohmann::json& object, const char* key) {
     const auto found = object.is_object() ? object.find(key) : object.end();
     return found != object.end() ? *found : nlohmann::json();
   };
-  const nlohmann::json said = own(own(asset, "extras"), "sherd");
-  const nlohmann::json meters = own(said, "meters_per_unit"), up = own(said, "up");
+  const nlohmann::json said = memberOf(memberOf(asset, "extras"), "sherd");
+  const nlohmann::json meters = memberOf(said, "meters_per_unit"), up = memberOf(said, "up");
   if (!meters.is_number() || (up != "x" && up != "y" && up != "z")) return {};
   CoordinateSystem coordinates{meters.get<double>(), up.get<std::string>().front(),
                                CoordinateBasis::file, CoordinateBasis::file};
@@ -54,7 +54,7 @@ std::optional<CoordinateSystem> coordinatesBelow(const nlohmann::json& asset,
   for (const char* key : {"matrix", "translation", "rotation", "scale"}) {
     const nlohmann::json of =
         expected.contains(key) ? nlohmann::json(expected[key]) : nlohmann::json();
-    if (own(root, key) != of) return {};
+    if (memberOf(root, key) != of) return {};
   }
   return coordinates;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/finite.h"
 #include "base/text/text_scan.h"
 #include "formats/gltf/gltf_texture_uses.h"
 
@@ -103,7 +104,7 @@ void applyTextureTransforms(const MeshFile& file, RawMesh& mesh) {
     for (glm::vec2& at : attributes.texcoords[t]) {
       const glm::vec2 moved = own->of({at.x, 1.0f - at.y});
       at = {moved.x, 1.0f - moved.y};
-      if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);  // as in files
+      if (!isFinite(at)) at = glm::vec2(0.0f);  // as in files
     }
   }
 }

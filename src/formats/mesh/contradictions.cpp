@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/finite.h"
+
 namespace sherd {
 namespace {
 
@@ -19,8 +21,6 @@ template <class Entry>
 bool fits(const std::vector<Entry>& entries, std::size_t triangles) {
   return entries.empty() || entries.size() == triangles;
 }
-
-bool isFinite(const glm::vec2& at) { return std::isfinite(at.x) && std::isfinite(at.y); }
 
 // "triangle 3 has material 7, there are 2", for the first number out of range.
 std::optional<std::string> outOfRange(const std::vector<std::uint32_t>& numbers, const char* thing,

@@ -9,6 +9,8 @@
 #include <numeric>
 #include <utility>
 
+#include "base/finite.h"
+
 namespace sherd {
 namespace {
 
@@ -62,15 +64,11 @@ std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
   return first;
 }
 
-bool isFinite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // Returns the triangles whose corners are all finite; counts the dropped ones in `out`.
 std::vector<std::uint32_t> finiteTriangles(const RawMesh& raw, SourceMesh& out) {
   std::vector<std::uint32_t> kept(raw.triangles.size());
   std::iota(kept.begin(), kept.end(), 0u);
-  if (std::all_of(raw.vertices.begin(), raw.vertices.end(), isFinite)) return kept;
+  if (areFinite(raw.vertices)) return kept;
   kept.clear();
   std::vector<bool> counted;
   for (std::uint32_t i = 0; i < raw.triangles.size(); ++i) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/chosen.h"
+#include "base/finite.h"
 #include "formats/mesh/triangulate.h"
 
 namespace sherd {
@@ -156,7 +157,7 @@ void triangulateInto(const MeshFile& file, PolygonMesh&& mesh, RawMesh& out) {
                              : atCorners(mesh.vertexTexcoords, out.triangles);
   for (auto& corners : attributes.texcoords) {
     for (glm::vec2& at : corners) {
-      if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0f);
+      if (!isFinite(at)) at = glm::vec2(0.0f);
     }
   }
   attributes.normals = mesh.vertexNormals.empty() ? atCorners(mesh.cornerNormals, triangles.corners)

@@ -7,15 +7,11 @@
 #include <glm/geometric.hpp>
 
 #include "base/files/parsed_json.h"
+#include "base/finite.h"
 #include "formats/mesh/contradictions.h"
 
 namespace sherd {
 namespace {
-
-template <class Number>
-bool isFinite(const glm::vec<3, Number>& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 // Whether a text is empty or JSON that other code may go through by recursion.
 bool isShallowJson(const std::string& text) {

@@ -18,6 +18,7 @@
 
 #include "base/files/file_bytes.h"
 #include "base/files/sha256.h"
+#include "base/finite.h"
 #include "base/little_endian.h"
 #include "base/text/lower_case.h"
 #include "base/text/text_scan.h"
@@ -209,10 +210,6 @@ CoordinateSystem coordinatesOf(const RawMesh& raw, MeshFormat format) {
     coordinates.upFrom = CoordinateBasis::file;
   }
   return coordinates;
-}
-
-bool isFinite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 void checkMerged(const MeshFile& file, const SourceMesh& source) {

@@ -60,7 +60,7 @@ Role roleOf(const PlyElement& element, const PlyProperty& property) {
   if ((ofVertex || ofFace) && is("blue", "b", "diffuse_blue")) return Role::blue;
   if (ofFace && is("texnumber")) return Role::texture;
   if (ofFace && is("material")) return Role::material;
-  if (ofFace && is("neighbor", "facing")) return Role::neighbor;  // "facing": schema sherd/1
+  if (ofFace && is("neighbor")) return Role::neighbor;
   return Role::none;
 }
 

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "base/files/file_bytes.h"
+#include "base/finite.h"
 #include "base/input_error.h"
 #include "base/text/lower_case.h"
 #include "base/text/option_names.h"
@@ -28,8 +29,7 @@ void hold(GrowingMemory& memory, const SurfacePoints& points) {
 
 void requireFinite(const SurfacePoints& points, const std::string& name) {
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
-    const glm::dvec3& p = points.positions[i];
-    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+    if (isFinite(points.positions[i])) continue;
     inputError(name, "point " + std::to_string(i + 1) + " is not finite");
   }
 }
@@ -43,7 +43,6 @@ std::uint16_t neighborOf(double value, const std::string& name) {
 
 /// The vertex properties that are read: 0 to 2 position, 3 to 5 normal, 6 neighbor.
 constexpr std::array<std::string_view, 7> kColumns{"x", "y", "z", "nx", "ny", "nz", "neighbor"};
-constexpr std::string_view kFormerNeighbor = "facing";  // in files of sherd/1
 
 struct VertexLayout {
   std::vector<std::size_t> column;  // index into kColumns, or its size: ignored
@@ -54,10 +53,9 @@ VertexLayout layoutOf(const PlyElement& vertex) {
   VertexLayout layout;
   std::array<bool, kColumns.size() + 1> has{};
   for (const PlyProperty& property : vertex.properties) {
-    const std::string_view column =
-        property.name == kFormerNeighbor ? kColumns.back() : std::string_view(property.name);
-    const auto found =
-        property.listCount ? kColumns.end() : std::find(kColumns.begin(), kColumns.end(), column);
+    const auto found = property.listCount
+                           ? kColumns.end()
+                           : std::find(kColumns.begin(), kColumns.end(), property.name);
     layout.column.push_back(static_cast<std::size_t>(found - kColumns.begin()));
     has[layout.column.back()] = true;
   }
@@ -172,10 +170,7 @@ SurfacePoints parseNpzPoints(std::string_view bytes, const std::string& name,
   const std::vector<ZipEntry> entries = zipEntries(bytes, name, &memory);
   const auto positions = numbersOf(entries, "positions", 3 * kMaxPoints, name, memory);
   const auto normals = numbersOf(entries, "normals", 3 * kMaxPoints, name, memory);
-  auto neighbor = numbersOf(entries, "neighbor", kMaxPoints, name, memory);
-  if (!neighbor) {
-    neighbor = numbersOf(entries, std::string(kFormerNeighbor), kMaxPoints, name, memory);
-  }
+  const auto neighbor = numbersOf(entries, "neighbor", kMaxPoints, name, memory);
   if (!positions) inputError(name, "has no array 'positions'");
   const std::size_t vectors = positions->values.size() + (normals ? normals->values.size() : 0);
   memory.charge(vectors, sizeof(double));

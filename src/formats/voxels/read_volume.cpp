@@ -12,6 +12,7 @@
 #include "base/cancel_flag.h"
 #include "base/files/file_bytes.h"
 #include "base/files/sha256.h"
+#include "base/finite.h"
 #include "base/input_error.h"
 #include "base/memory.h"
 #include "base/text/lower_case.h"
@@ -104,11 +105,8 @@ void readGrids(const fs::path& file, const VolumeOptions& options, Volume& volum
       volume.source.mesh =
           joined(std::move(volume.source.mesh), meshInWorld(*grid.grid, isovalueOf(grid, options)));
     }
-    const auto& vertices = volume.source.mesh.vertices;
-    const bool isFinite = std::all_of(vertices.begin(), vertices.end(), [](const glm::dvec3& v) {
-      return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-    });
-    if (!isFinite) inputError(file, "has a transform that leads to positions that are not finite");
+    if (!areFinite(volume.source.mesh.vertices))
+      inputError(file, "has a transform that leads to positions that are not finite");
     return;
   }
   for (std::size_t i = 1; i < grids.size(); ++i) unite(*grids.front().grid, *grids[i].grid);

@@ -75,7 +75,7 @@ std::vector<std::uint16_t> Flood::read(std::uint32_t first, std::uint32_t count)
   for (std::uint32_t done = 0; done < count; done += kLeavesPerChunk) {
     const std::uint32_t leaves = std::min(kLeavesPerChunk, count - done);
     launch("flood_show", leaves, first + done, leaves, chunk);
-    append(all, state_.device, chunk, std::size_t{leaves} * SHERD_LEAF_SIZE);
+    appendDownloaded(all, state_.device, chunk, std::size_t{leaves} * SHERD_LEAF_SIZE);
   }
   return all;
 }

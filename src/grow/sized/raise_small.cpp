@@ -43,14 +43,9 @@ class Raising {
   }
 
  private:
-  [[nodiscard]] std::size_t indexOf(const openvdb::Coord& at) const {
-    const std::uint32_t leaf = findLeaf(blocks_, at);
-    return leaf == LeafBlocks::kNone ? kNoVoxel : std::size_t{leaf} * 512 + offsetFromCoord(at);
-  }
-
   // The label of an inside voxel of a layer, else 0.
   [[nodiscard]] std::uint16_t labelAt(const openvdb::Coord& at, std::size_t layer) const {
-    const std::size_t voxel = indexOf(at);
+    const std::size_t voxel = voxelIndexAt(blocks_, at);
     if (voxel == kNoVoxel || !blocks_.isInside(voxel) || blocks_.layerOf(voxel) != layer) return 0;
     return labels_.fragment[voxel];
   }
@@ -107,7 +102,8 @@ class Raising {
       for (const openvdb::Coord& d : kBeside) {
         const openvdb::Coord beside = at + d;
         const glm::dvec3 from = glm::dvec3(beside.x(), beside.y(), beside.z()) - middle;
-        const std::tuple<double, std::size_t> found{glm::dot(from, from), indexOf(beside)};
+        const std::tuple<double, std::size_t> found{glm::dot(from, from),
+                                                    voxelIndexAt(blocks_, beside)};
         if (std::get<1>(best) != kNoVoxel && found >= best) continue;
         if (canGive(beside, id, layer)) best = found;
       }

@@ -184,9 +184,7 @@ class Sizing {
       const glm::dvec3 unit =
           randomPoint(seed_, Stage::sizeNudge, drawItem(seed.fragment, growth)) - 0.5;
       const glm::dvec3 point = pointOf(seed) + 3.0 * unit;
-      const openvdb::Coord voxel(static_cast<int>(std::floor(point.x + 0.5)),
-                                 static_cast<int>(std::floor(point.y + 0.5)),
-                                 static_cast<int>(std::floor(point.z + 0.5)));
+      const openvdb::Coord voxel = nearestVoxel(point);
       const std::uint32_t leaf = findLeaf(*cells.blocks, voxel);
       if (leaf == LeafBlocks::kNone) continue;
       if (cells.fragment[std::size_t{leaf} * 512 + offsetFromCoord(voxel)] != seed.fragment) {

@@ -41,13 +41,8 @@ class Creases {
   /// Returns the crossings of a leaf's cells that were kept, which spares fractures to find them.
   [[nodiscard]] std::span<const KnownCrossing> crossings(const openvdb::Coord& origin) const;
 
-  /// Returns how many vertices were moved back into their cell, and from there to where the
-  /// distances put them.
-  [[nodiscard]] std::size_t movedBack() const { return movedBack_; }
-  [[nodiscard]] std::size_t reverted() const { return reverted_; }
-
  private:
-  class Finding;
+  class Finder;
 
   // Returns the index of a leaf in origins_, or their number.
   [[nodiscard]] std::size_t indexOf(const openvdb::Coord& origin) const;
@@ -55,7 +50,6 @@ class Creases {
   std::vector<openvdb::Coord> origins_;  // ascending: of leaves with vertices or crossings
   std::vector<std::vector<CreaseVertex>> vertices_;    // [origins]
   std::vector<std::vector<KnownCrossing>> crossings_;  // [origins], or empty
-  std::size_t movedBack_ = 0, reverted_ = 0;
 };
 
 /// The vertices of one leaf, looked up by ascending offsets.

@@ -19,10 +19,10 @@
 
 namespace sherd {
 
-class Creases::Finding {
+class Creases::Finder {
  public:
-  Finding(Creases& to, const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
-          KeepCrossings keep)
+  Finder(Creases& to, const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
+         KeepCrossings keep)
       : to_(to),
         keep_(keep),
         solid_(solid),
@@ -127,13 +127,11 @@ class Creases::Finding {
     return out;
   }
 
-  void stepBack(CreaseVertex& vertex) {
+  static void stepBack(CreaseVertex& vertex) {
     if (vertex.at != vertex.inCell) {
       vertex.at = vertex.inCell;
-      ++to_.movedBack_;
     } else {
       vertex.edges = 0;
-      ++to_.reverted_;
     }
   }
 
@@ -237,7 +235,7 @@ class Creases::Finding {
 Creases::Creases(const Solid& solid, std::span<const LeafNeighbors> neighborhoods,
                  const Progress* progress, KeepCrossings keep) {
   if (solid.region == nullptr || solid.region->boundary() == nullptr) return;
-  Finding(*this, solid, neighborhoods, keep).find(progress);
+  Finder(*this, solid, neighborhoods, keep).find(progress);
 }
 
 }  // namespace sherd

@@ -12,6 +12,7 @@
 #include "base/union_find.h"
 #include "intersect/predicates.h"
 #include "mesh/largest_axis.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
@@ -70,8 +71,7 @@ class Intersections {
   using Sides = std::array<int, 3>;
 
   [[nodiscard]] Corners cornersOf(std::uint32_t t) const {
-    const glm::uvec3& c = triangles_[t];
-    return {vertices_[c.x], vertices_[c.y], vertices_[c.z]};
+    return positionsOf(vertices_, triangles_[t]);
   }
   [[nodiscard]] static Sides sidesOf(const Corners& s, const Corners& t) {
     return {orientation(t[0], t[1], t[2], s[0]), orientation(t[0], t[1], t[2], s[1]),

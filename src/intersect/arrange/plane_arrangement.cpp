@@ -46,7 +46,7 @@ class PlaneArrangement {
 
   // Returns why that failed, as a clause, or nothing.
   std::string triangulateAll();
-  void append(std::vector<ArrangedTriangle>& out) const;
+  void appendTriangles(std::vector<ArrangedTriangle>& out) const;
 
  private:
   static constexpr int kMostPasses = 64;
@@ -281,7 +281,7 @@ void PlaneArrangement::cover(std::size_t triangle,
   }
 }
 
-void PlaneArrangement::append(std::vector<ArrangedTriangle>& out) const {
+void PlaneArrangement::appendTriangles(std::vector<ArrangedTriangle>& out) const {
   if (triangles_.size() == 1) return appendSingle(out);
   std::unordered_map<std::uint64_t, Index> left;
   for (Index p = 0; p < parts_.triangles.size(); ++p) {
@@ -321,7 +321,7 @@ std::string arrangePlane(std::span<const PlaneTriangle> triangles, std::vector<A
                          std::vector<ArrangedTriangle>& out, const Progress* progress) {
   PlaneArrangement plane(triangles, std::move(lines), std::move(points), all, progress);
   std::string failure = plane.triangulateAll();
-  if (failure.empty()) plane.append(out);
+  if (failure.empty()) plane.appendTriangles(out);
   return failure;
 }
 

@@ -24,6 +24,7 @@
 #include "mesh/search/boxes.h"
 #include "mesh/search/near_boxes.h"
 #include "mesh/search/triangle_tree.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
@@ -197,14 +198,9 @@ bool isCrossedByRounding(const UnitedMesh& united) { return united.failure == kR
 bool hasThinner(const TriangleMesh& mesh, const TriangleMesh& source, double length) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3 &own = mesh.triangles[t], &from = source.triangles[mesh.source[t]];
-    const auto cornersOf = [&](const TriangleMesh& of, const glm::uvec3& c) {
-      return std::array{of.vertices[c.x], of.vertices[c.y], of.vertices[c.z]};
-    };
-    const auto [a, b, c] = cornersOf(mesh, own);
-    const double longest =
-        std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-    if (glm::length(glm::cross(b - a, c - a)) >= length * longest) continue;
-    if (cornersOf(mesh, own) != cornersOf(source, from)) return true;
+    const std::array<glm::dvec3, 3> corners = positionsOf(mesh.vertices, own);
+    if (glm::length(areaNormal(corners)) >= length * longestEdge(corners)) continue;
+    if (corners != positionsOf(source.vertices, from)) return true;
   }
   return false;
 }

@@ -11,6 +11,7 @@
 #include "base/union_find.h"
 #include "intersect/homogeneous_point.h"
 #include "mesh/largest_axis.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
@@ -63,8 +64,7 @@ class Rays {
   // meets an edge.
   [[nodiscard]] std::optional<int> beyond(const ExactPoint& p, int axis) const;
   [[nodiscard]] Corners cornersOf(std::uint32_t t) const {
-    const glm::uvec3& c = mesh_.triangles[t];
-    return {mesh_.vertices[c.x], mesh_.vertices[c.y], mesh_.vertices[c.z]};
+    return positionsOf(mesh_.vertices, mesh_.triangles[t]);
   }
 
   const TriangleMesh& mesh_;

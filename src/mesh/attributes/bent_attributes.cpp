@@ -18,8 +18,7 @@ constexpr double kLeastHeight = 0.01;
 constexpr double kTextureError = 0.01, kColorError = 3.0;
 
 std::array<glm::dvec3, 3> cornersAt(const TriangleMesh& mesh, std::uint32_t t) {
-  const glm::uvec3& v = mesh.triangles[t];
-  return {mesh.vertices[v.x], mesh.vertices[v.y], mesh.vertices[v.z]};
+  return positionsOf(mesh.vertices, mesh.triangles[t]);
 }
 
 // The corner of a triangle that is not one of two positions; 3 if there is none.

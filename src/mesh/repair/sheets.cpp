@@ -27,10 +27,6 @@ constexpr double kFlatOfEdge = 1e-5, kFlatOfBox = 1e-6;
 // Of the area of one side of all sheets, relative to the rest's: leaves are more of a tree.
 constexpr double kFewArea = 0.005;
 
-std::array<glm::dvec3, 3> cornersOf(const TriangleMesh& mesh, const glm::uvec3& t) {
-  return {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
-}
-
 glm::dvec3 centroidOf(const std::array<glm::dvec3, 3>& t) { return (t[0] + t[1] + t[2]) / 3.0; }
 
 // The half edges of some triangles, by edge.
@@ -99,7 +95,7 @@ class Flats {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   [[nodiscard]] std::array<glm::dvec3, 3> corners(std::uint32_t at) const {
-    return cornersOf(mesh_, mesh_.triangles[among_[at]]);
+    return positionsOf(mesh_.vertices, mesh_.triangles[among_[at]]);
   }
 
   // Sets the group of triangles in the plane of one, connected to it.
@@ -226,7 +222,7 @@ void keepOutside(std::vector<SheetFace>& faces, const TriangleMesh& rest,
   CancelFlag cancelled(progress);
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) {
     if (cancelled.isSet()) return;
-    const double winding = tree.winding(centroidOf(cornersOf(rest, faces[i].corners)));
+    const double winding = tree.winding(centroidOf(positionsOf(rest.vertices, faces[i].corners)));
     // The direction that the hole of a closed mesh lets through is half of all.
     isInside[i] = winding >= (faces[i].isBetweenOthers ? 0.25 : 0.6) ? 1 : 0;
   });
@@ -238,10 +234,10 @@ void keepOutside(std::vector<SheetFace>& faces, const TriangleMesh& rest,
 bool areFew(std::span<const SheetFace> faces, const TriangleMesh& rest) {
   double ofSheets = 0.0, ofRest = 0.0;
   for (const SheetFace& face : faces) {
-    ofSheets += 0.5 * glm::length(areaNormal(cornersOf(rest, face.corners)));
+    ofSheets += 0.5 * glm::length(areaNormal(positionsOf(rest.vertices, face.corners)));
   }
   for (const glm::uvec3& t : rest.triangles) {
-    ofRest += 0.5 * glm::length(areaNormal(cornersOf(rest, t)));
+    ofRest += 0.5 * glm::length(areaNormal(positionsOf(rest.vertices, t)));
   }
   return ofSheets <= kFewArea * ofRest;
 }

@@ -14,13 +14,14 @@ bool isGone(const ComplexFace& face) { return face.corner.x == face.corner.y; }
 
 }  // namespace
 
-Complex withoutGone(std::span<const glm::dvec3> vertices, std::span<const ComplexFace> faces) {
+LabeledComplex withoutGone(std::span<const glm::dvec3> vertices,
+                           std::span<const ComplexFace> faces) {
   std::vector<std::uint32_t> used;
   for (const ComplexFace& face : faces) {
     if (!isGone(face)) used.insert(used.end(), {face.corner.x, face.corner.y, face.corner.z});
   }
   const VertexNumbers numbers(std::move(used), vertices.size());
-  Complex out;
+  LabeledComplex out;
   for (const std::uint32_t v : numbers.vertices()) out.vertices.push_back(vertices[v]);
   for (const ComplexFace& face : faces) {
     if (isGone(face)) continue;

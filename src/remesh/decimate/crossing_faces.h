@@ -18,8 +18,8 @@ using FacePair = std::array<std::uint32_t, 2>;
 
 /// Returns the faces whose corners are not all 0, as surfaces of which no mesh is made, with the
 /// vertices that they have.
-[[nodiscard]] Complex withoutGone(std::span<const glm::dvec3> vertices,
-                                  std::span<const ComplexFace> faces);
+[[nodiscard]] LabeledComplex withoutGone(std::span<const glm::dvec3> vertices,
+                                         std::span<const ComplexFace> faces);
 
 /// Returns the pairs of faces that cross, of those with corners that are not all 0.
 ///   isTested  [faces] 0 or 1: with one that has 1

@@ -78,7 +78,7 @@ struct Record {
 
 class Decimator {
  public:
-  explicit Decimator(const Complex& complex, const CollapseRules* rules = nullptr)
+  explicit Decimator(const LabeledComplex& complex, const CollapseRules* rules = nullptr)
       : mesh_(complex),
         fixed_(complex.fixed),
         world_(complex.vertices),
@@ -159,7 +159,7 @@ class Decimator {
 
   /// Undoes what makes faces cross, and collapses other edges in its place, until none do.
   ///   return  the faces that are left
-  Complex withoutCrossings(double error, const Progress* progress) {
+  LabeledComplex withoutCrossings(double error, const Progress* progress) {
     std::vector<std::uint8_t> isTested(record_.faces.size());
     for (std::uint32_t f = 0; f < isTested.size(); ++f) isTested[f] = record_.log.isChanged(f);
     for (std::size_t round = 0;; ++round) {
@@ -518,7 +518,7 @@ class Decimator {
 
 }  // namespace
 
-std::vector<std::vector<TriangleMesh>> decimated(const Complex& complex,
+std::vector<std::vector<TriangleMesh>> decimated(const LabeledComplex& complex,
                                                  std::span<const std::size_t> triangles,
                                                  const Progress* progress) {
   std::vector<std::vector<TriangleMesh>> out(complex.labels,
@@ -544,14 +544,15 @@ std::vector<TriangleMesh> decimated(const TriangleMesh& mesh,
   return std::move(decimated(complexOf(mesh), triangles).front());
 }
 
-std::vector<LabeledMesh> simplified(const Complex& complex, double error,
+std::vector<LabeledMesh> simplified(const LabeledComplex& complex, double error,
                                     const Progress* progress) {
   Decimator decimator(complex);
   decimator.collapseTo(0, error, progress);
   return decimator.result();
 }
 
-Complex collapsed(const Complex& surface, const CollapseRules& rules, const Progress* progress) {
+LabeledComplex collapsed(const LabeledComplex& surface, const CollapseRules& rules,
+                         const Progress* progress) {
   Decimator decimator(surface, &rules);
   decimator.collapseTo(0, rules.error, progress);
   return decimator.withoutCrossings(rules.error, progress);

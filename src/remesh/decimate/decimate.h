@@ -16,7 +16,7 @@ namespace sherd {
 ///   return  [labels][k] in the order of `triangles`; see sherd/fragments.h
 ///   throws  Error(cancelled)
 [[nodiscard]] std::vector<std::vector<TriangleMesh>> decimated(
-    const Complex& complex, std::span<const std::size_t> triangles,
+    const LabeledComplex& complex, std::span<const std::size_t> triangles,
     const Progress* progress = nullptr);
 
 /// Decimates all labels of a complex as far as vertices stay near the planes of the faces that they
@@ -24,7 +24,7 @@ namespace sherd {
 ///   error   root mean square distance to the planes, world units
 ///   return  [labels]
 ///   throws  Error(cancelled)
-[[nodiscard]] std::vector<LabeledMesh> simplified(const Complex& complex, double error,
+[[nodiscard]] std::vector<LabeledMesh> simplified(const LabeledComplex& complex, double error,
                                                   const Progress* progress = nullptr);
 
 /// How far surfaces of which no mesh is made are simplified.
@@ -36,11 +36,11 @@ struct CollapseRules {
   std::function<bool(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& end)> mayMove;
 };
 
-/// Collapses edges of surfaces of which no mesh is made (Complex::labels 0), which may be open, as
-/// far as vertices stay near the planes of the faces that they replace.
+/// Collapses edges of surfaces of which no mesh is made (LabeledComplex::labels 0), which may be
+/// open, as far as vertices stay near the planes of the faces that they replace.
 ///   surface  without crossings; none of the result's faces cross either
 ///   throws   Error(cancelled)
-[[nodiscard]] Complex collapsed(const Complex& surface, const CollapseRules& rules,
-                                const Progress* progress = nullptr);
+[[nodiscard]] LabeledComplex collapsed(const LabeledComplex& surface, const CollapseRules& rules,
+                                       const Progress* progress = nullptr);
 
 }  // namespace sherd

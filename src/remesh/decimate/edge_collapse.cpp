@@ -4,18 +4,11 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/sort_unique.h"
+
 namespace sherd {
-namespace {
 
-template <class T>
-void sortUnique(std::vector<T>& all) {
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-}
-
-}  // namespace
-
-CollapsingMesh::CollapsingMesh(const Complex& complex)
+CollapsingMesh::CollapsingMesh(const LabeledComplex& complex)
     : faces_(complex.faces),
       around_(complex.vertices.size()),
       labels_(complex.labels),

@@ -11,8 +11,8 @@
 namespace sherd {
 
 /// The connectivity of closed meshes that share faces, or of surfaces of which no mesh is made
-/// (Complex::labels 0), which may be open.  A region is the set of faces between the same two
-/// labels, or of one label with the same neighbor, and of the same chart.
+/// (LabeledComplex::labels 0), which may be open.  A region is the set of faces between the same
+/// two labels, or of one label with the same neighbor, and of the same chart.
 ///
 /// A boundary edge has faces of several regions, or any number but two of them.  A vertex is free
 /// if it has no boundary edges, on a boundary if it has two, and fixed if it has any other number.
@@ -20,7 +20,7 @@ class CollapsingMesh {
  public:
   using Index = std::uint32_t;
 
-  explicit CollapsingMesh(const Complex& complex);
+  explicit CollapsingMesh(const LabeledComplex& complex);
 
   std::size_t trianglesLeft(std::uint16_t label) const { return left_[label]; }
   std::uint16_t labels() const { return labels_; }

@@ -24,7 +24,7 @@ constexpr std::size_t kSmallFacet = 16;
 
 class FacetGrowing {
  public:
-  FacetGrowing(const Complex& complex, const FaceEdges& edges, const FacetOptions& options,
+  FacetGrowing(const LabeledComplex& complex, const FaceEdges& edges, const FacetOptions& options,
                const Progress* progress)
       : complex_(complex), edges_(edges), options_(options), progress_(progress) {
     facets_.ofFace.assign(complex.faces.size(), kNone);
@@ -163,7 +163,7 @@ class FacetGrowing {
     return isAlike ? other : kNone;
   }
 
-  const Complex& complex_;
+  const LabeledComplex& complex_;
   const FaceEdges& edges_;
   static constexpr std::size_t kStepsPerPoll = 65536;
   const FacetOptions options_;
@@ -178,12 +178,12 @@ class FacetGrowing {
 
 }  // namespace
 
-Facets facetsOf(const Complex& complex, const FaceEdges& edges, const FacetOptions& options,
+Facets facetsOf(const LabeledComplex& complex, const FaceEdges& edges, const FacetOptions& options,
                 const Progress* progress) {
   return FacetGrowing(complex, edges, options, progress).grow();
 }
 
-std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets, double most) {
+std::vector<glm::dvec3> snapped(const LabeledComplex& complex, const Facets& facets, double most) {
   constexpr std::size_t kMostPlanes = 8;
   struct Around {
     std::array<std::uint32_t, kMostPlanes> facet{};

@@ -52,14 +52,14 @@ struct Facets {
 /// beside it, or of none.  Faces at fixed vertices are of none.
 ///   edges   of the complex's faces
 ///   throws  Error(cancelled)
-[[nodiscard]] Facets facetsOf(const Complex& complex, const FaceEdges& edges,
+[[nodiscard]] Facets facetsOf(const LabeledComplex& complex, const FaceEdges& edges,
                               const FacetOptions& options, const Progress* progress = nullptr);
 
 /// Moves vertices on the borders of facets to their common point or line, so that borders are
 /// straight.  A vertex that would move by more than `most`, because its planes are nearly parallel,
 /// stays, and so does one of a face that is of no facet.
 ///   return  the positions of all vertices
-[[nodiscard]] std::vector<glm::dvec3> snapped(const Complex& complex, const Facets& facets,
+[[nodiscard]] std::vector<glm::dvec3> snapped(const LabeledComplex& complex, const Facets& facets,
                                               double most);
 
 }  // namespace sherd

@@ -44,7 +44,7 @@ constexpr double kDisplacement = 1e-3;
 
 class FacetMerging {
  public:
-  FacetMerging(const Complex& complex, const MergeOptions& options, const Progress* progress)
+  FacetMerging(const LabeledComplex& complex, const MergeOptions& options, const Progress* progress)
       : complex_(complex),
         edges_(trianglesOf(complex), complex.vertices.size()),
         tolerance_(std::max(options.facets.cracks.tolerance, options.facets.original.tolerance)),
@@ -210,7 +210,7 @@ class FacetMerging {
   // which lie side by side in its plane.
   Assembled assembled() const {
     Assembled all;
-    Complex& out = all.merged.complex;
+    LabeledComplex& out = all.merged.complex;
     out.labels = complex_.labels;
     std::vector<std::uint32_t> number(complex_.vertices.size(), kNone);
     const auto add = [&](const glm::uvec3& corner, std::uint32_t f, std::uint32_t facet,
@@ -260,7 +260,7 @@ class FacetMerging {
     }
   }
 
-  const Complex& complex_;
+  const LabeledComplex& complex_;
   const FaceEdges edges_;
   const double tolerance_;  // the larger one
   Facets facets_;
@@ -275,7 +275,7 @@ class FacetMerging {
 
 }  // namespace
 
-MergedFacets withMergedFacets(const Complex& complex, const MergeOptions& options,
+MergedFacets withMergedFacets(const LabeledComplex& complex, const MergeOptions& options,
                               const Progress* progress) {
   if (complex.faces.empty()) return {complex, {}};
   return FacetMerging(complex, options, progress).merge(progress);

@@ -31,7 +31,7 @@ struct MergeOptions {
 }
 
 struct MergedFacets {
-  Complex complex;
+  LabeledComplex complex;
   std::vector<std::uint32_t> vertex;  ///< [vertices] the one of the complex before
 };
 
@@ -40,7 +40,8 @@ struct MergedFacets {
 /// their planes; others stay.  Where polygons would cross each other or other faces, they keep
 /// more.
 ///   throws  Error(cancelled)
-[[nodiscard]] MergedFacets withMergedFacets(const Complex& complex, const MergeOptions& options,
+[[nodiscard]] MergedFacets withMergedFacets(const LabeledComplex& complex,
+                                            const MergeOptions& options,
                                             const Progress* progress = nullptr);
 
 }  // namespace sherd

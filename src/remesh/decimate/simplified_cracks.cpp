@@ -29,22 +29,23 @@ constexpr double kLeastHeight = 0.02;
 
 }  // namespace
 
-Complex simplifiedCracks(const Complex& cracks, const TriangleMesh& mesh, const GridFrame& frame,
-                         const CrackSimplification& options, const Progress* progress) {
+LabeledComplex simplifiedCracks(const LabeledComplex& cracks, const TriangleMesh& mesh,
+                                const GridFrame& frame, const CrackSimplification& options,
+                                const Progress* progress) {
   if (cracks.faces.empty()) return cracks;
   FacetOptions facets{.cracks = {.tolerance = kPlanarCrackTolerance * frame.voxelSize}};
   if (options.adaptivity == 0.0) facets.cracks.leastFaces = std::numeric_limits<std::size_t>::max();
-  Complex merged = withMergedFacets(cracks,
-                                    {.mostFaults = mostFaultsOf(cracks.faces.size()),
-                                     .facets = facets,
-                                     .displacementSeed = options.displacementSeed},
-                                    progress)
-                       .complex;
+  LabeledComplex merged = withMergedFacets(cracks,
+                                           {.mostFaults = mostFaultsOf(cracks.faces.size()),
+                                            .facets = facets,
+                                            .displacementSeed = options.displacementSeed},
+                                           progress)
+                              .complex;
   if (options.adaptivity == 0.0) return merged;
   static_assert(kAutoAdaptivity < kPlanarCrackTolerance);
   const CrackOverhang overhang({inVoxels(mesh.vertices, frame), mesh.triangles});
   merged.vertices = inVoxels(std::move(merged.vertices), frame);
-  Complex simple =
+  LabeledComplex simple =
       collapsed(merged,
                 {.error = std::max(options.adaptivity, kPlanarCrackTolerance),
                  .leastHeight = kLeastHeight,

@@ -25,11 +25,12 @@ struct CrackSimplification {
 /// bent and rough cracks alike.  kAutoAdaptivity, and any number below it, is
 /// kPlanarCrackTolerance.  Cracks still end beyond the mesh.  Lines where they meet are shared.
 /// What would cross itself keeps more faces.
-///   cracks  of Complex::labels 0, without crossings, in world units
+///   cracks  of LabeledComplex::labels 0, without crossings, in world units
 ///   mesh    that they overhang, in world units
 ///   throws  Error(cancelled)
-[[nodiscard]] Complex simplifiedCracks(const Complex& cracks, const TriangleMesh& mesh,
-                                       const GridFrame& frame, const CrackSimplification& options,
-                                       const Progress* progress = nullptr);
+[[nodiscard]] LabeledComplex simplifiedCracks(const LabeledComplex& cracks,
+                                              const TriangleMesh& mesh, const GridFrame& frame,
+                                              const CrackSimplification& options,
+                                              const Progress* progress = nullptr);
 
 }  // namespace sherd

@@ -196,7 +196,7 @@ class LeastArea {
     }
   }
 
-  void append(std::vector<glm::uvec3>& out) const {
+  void appendTriangles(std::vector<glm::uvec3>& out) const {
     std::vector<std::pair<std::size_t, std::size_t>> rest{{0, count_ - 1}};
     while (!rest.empty()) {
       const auto [i, j] = rest.back();
@@ -292,7 +292,7 @@ class Filling {
   void fillAlone(std::size_t i) {
     const Loop& loop = loops_[i];
     if (loop.size() <= kMostForLeastArea) {
-      LeastArea(vertices_, loop, edges_).append(out_.triangles);
+      LeastArea(vertices_, loop, edges_).appendTriangles(out_.triangles);
       return;
     }
     const Loop* const alone = &loop;

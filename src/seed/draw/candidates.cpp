@@ -7,17 +7,13 @@
 
 #include "voxelize/distance.h"
 #include "voxelize/fill/fill.h"
+#include "voxelize/leaves/leaf_blocks.h"
 #include "voxelize/region.h"
 
 namespace sherd {
 namespace {
 
 constexpr double kStepsInSpace = 1 << 20;  // of the box's longest side
-
-openvdb::Coord nearestVoxel(const glm::dvec3& point) {
-  return {static_cast<int>(std::floor(point.x + 0.5)), static_cast<int>(std::floor(point.y + 0.5)),
-          static_cast<int>(std::floor(point.z + 0.5))};
-}
 
 glm::i64vec3 rounded(const glm::dvec3& v) {
   return {std::llround(v.x), std::llround(v.y), std::llround(v.z)};

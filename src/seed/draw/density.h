@@ -54,7 +54,7 @@ class DensityTest {
   DensityTest(const DensityField* field, const GridFrame& frame, std::uint64_t seed)
       : field_(field), frame_(frame), seed_(seed) {}
 
-  [[nodiscard]] bool isAny() const { return field_ != nullptr; }
+  [[nodiscard]] bool hasField() const { return field_ != nullptr; }
 
   /// Returns the density, as a share of the largest.
   ///   point  in index space

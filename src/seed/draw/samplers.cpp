@@ -100,7 +100,7 @@ Candidate SeedSampler::denseCandidate(const Chosen& chosen) {
 void SeedSampler::addAny(std::size_t end, Chosen& chosen) {
   const VoxelIndex& voxels = candidates_.voxels();
   if (end - chosen.size() > chosen.unseeded()) {
-    if (density_.isAny()) {
+    if (density_.hasField()) {
       chosen.add(denseCandidate(chosen));
       return;
     }

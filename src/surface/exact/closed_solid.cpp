@@ -81,18 +81,13 @@ LeafBlocks withLeaves(const LeafBlocks& own, const std::vector<Coord>& origins, 
   return out;
 }
 
-std::size_t indexOf(const LeafBlocks& blocks, const Coord& at) {
-  const std::uint32_t leaf = findLeaf(blocks, at);
-  return leaf == LeafBlocks::kNone ? kNoVoxel : std::size_t{leaf} * 512 + offsetFromCoord(at);
-}
-
 // Labels voxels from what is beside them, step by step.
 class LabelsAdded {
  public:
   LabelsAdded(const LeafBlocks& blocks, const std::vector<Coord>& added, Labels& labels)
       : blocks_(blocks), labels_(labels), open_(blocks.inside.size(), 0), done_(open_) {
     for (const Coord& at : added) {
-      const std::size_t voxel = indexOf(blocks, at);
+      const std::size_t voxel = voxelIndexAt(blocks, at);
       set(labels.fragment[voxel] != 0 ? done_ : open_, voxel);
     }
   }
@@ -103,7 +98,7 @@ class LabelsAdded {
   void run(const std::vector<Coord>& added, const LabelFor& labelFor, const Progress* progress) {
     std::vector<std::size_t> next;  // may have a neighbor with a label
     for (const Coord& at : added) {
-      const std::size_t voxel = indexOf(blocks_, at);
+      const std::size_t voxel = voxelIndexAt(blocks_, at);
       if (has(open_, voxel)) next.push_back(voxel);
     }
     while (!next.empty()) {
@@ -144,7 +139,8 @@ class LabelsAdded {
     std::vector<int> counts(beside.size(), 0);
     const Coord center = blocks_.voxelAt(voxel);
     for (int k = 0; k < 27; ++k) {
-      const std::size_t at = indexOf(blocks_, center + Coord(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
+      const std::size_t at =
+          voxelIndexAt(blocks_, center + Coord(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1));
       if (at == kNoVoxel) continue;
       for (std::size_t i = 0; i < beside.size(); ++i) {
         counts[i] += labels_.fragment[at] == beside[i] ? 1 : 0;
@@ -209,7 +205,7 @@ VoxelMask labelByCells(const LeafBlocks& blocks, const std::vector<Coord>& added
   if (!cells.empty()) {
     std::vector<std::pair<std::size_t, std::uint16_t>> cellAt;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      cellAt.emplace_back(indexOf(blocks, added[i]), cells[i]);
+      cellAt.emplace_back(voxelIndexAt(blocks, added[i]), cells[i]);
     }
     std::sort(cellAt.begin(), cellAt.end());
     const auto inItsCell = [&](std::size_t voxel) {

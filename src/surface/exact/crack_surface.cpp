@@ -45,7 +45,7 @@ class CrackMeshing {
         cells_(neighborhoods.size()),
         quads_(neighborhoods.size()) {}
 
-  Complex mesh(const GridFrame& frame, const Progress* progress) {
+  LabeledComplex mesh(const GridFrame& frame, const Progress* progress) {
     findLeaves();
     makeCells(progress);
     collectVertices();
@@ -255,8 +255,8 @@ class CrackMeshing {
     return at;
   }
 
-  Complex assembled(const GridFrame& frame) const {
-    Complex out;
+  LabeledComplex assembled(const GridFrame& frame) const {
+    LabeledComplex out;
     std::vector<std::uint32_t> number(vertices_.positionCount, kNone);
     const auto numberOf = [&](std::uint32_t v) {
       std::uint32_t& n = number[vertices_.positionId[v]];
@@ -313,9 +313,9 @@ class CrackMeshing {
 
 }  // namespace
 
-Complex crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
-                     std::span<const LeafNeighbors> neighborhoods, const Progress* progress,
-                     CrackEnds ends) {
+LabeledComplex crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
+                            std::span<const LeafNeighbors> neighborhoods, const Progress* progress,
+                            CrackEnds ends) {
   Solid whole = solid;
   whole.blocks = beyond.blocks;
   return CrackMeshing(whole, beyond, cut, neighborhoods, ends).mesh(solid.frame, progress);

@@ -34,9 +34,9 @@ enum class CrackEnds {
 ///   beyond  labelsBeyond of the labels
 ///   cut     as above
 ///   throws  Error(cancelled)
-[[nodiscard]] Complex crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
-                                   std::span<const LeafNeighbors> neighborhoods,
-                                   const Progress* progress = nullptr,
-                                   CrackEnds ends = CrackEnds::quads);
+[[nodiscard]] LabeledComplex crackSurface(const Solid& solid, const Labels& beyond, const Cut& cut,
+                                          std::span<const LeafNeighbors> neighborhoods,
+                                          const Progress* progress = nullptr,
+                                          CrackEnds ends = CrackEnds::quads);
 
 }  // namespace sherd

@@ -138,7 +138,7 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
                       const Progress* progress) {
   const Cut cut = findCut(labels, neighborhoods, CutExtent::exact, progress);
   const Labels beyond = labelsBeyond(solid, labels, cut, neighborhoods);
-  Complex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
+  LabeledComplex cracks = crackSurface(solid, beyond, cut, neighborhoods, progress);
   const auto indexOf = [&](const glm::dvec3& p) { return solid.frame.indexFromWorld(p); };
   LabelReader reader(*beyond.blocks, beyond);
   const SpaceLabels space{[&](const glm::dvec3& p) { return reader.at(voxelAt(indexOf(p))); },
@@ -147,7 +147,7 @@ ExactSurface cutLayer(const Solid& solid, const Labels& labels, const TriangleMe
   const auto fragments = static_cast<std::size_t>(labels.fragmentCount);
   ExactSurface surface;
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
-    const Complex simple = simplifiedCracks(
+    const LabeledComplex simple = simplifiedCracks(
         cracks, mesh, solid.frame,
         {.adaptivity = adaptivity, .displacementSeed = static_cast<std::uint64_t>(attempt)},
         progress);

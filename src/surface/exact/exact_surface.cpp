@@ -37,10 +37,10 @@ struct Face {
   std::uint8_t side = 0;       // of a crack: 0 its front's, 1 its back's
 };
 
-class Assembly {
+class FragmentAssembler {
  public:
-  Assembly(const TriangleMesh& source, const Complex& cracks, std::size_t fragments,
-           const SpaceLabels& space)
+  FragmentAssembler(const TriangleMesh& source, const LabeledComplex& cracks, std::size_t fragments,
+                    const SpaceLabels& space)
       : source_(source), cracks_(cracks), fragments_(fragments), space_(space) {}
 
   ExactSurface assemble(const Progress* progress) {
@@ -387,7 +387,7 @@ class Assembly {
   }
 
   const TriangleMesh& source_;
-  const Complex& cracks_;
+  const LabeledComplex& cracks_;
   const std::size_t fragments_;
   const SpaceLabels& space_;
   std::vector<std::uint32_t> flat_;
@@ -399,14 +399,15 @@ class Assembly {
 
 }  // namespace
 
-ExactSurface exactSurface(const TriangleMesh& source, const Complex& cracks, std::size_t fragments,
-                          const SpaceLabels& space, const Progress* progress) {
-  Assembly assembly(source, cracks, fragments, space);
+ExactSurface exactSurface(const TriangleMesh& source, const LabeledComplex& cracks,
+                          std::size_t fragments, const SpaceLabels& space,
+                          const Progress* progress) {
+  FragmentAssembler assembly(source, cracks, fragments, space);
   ExactSurface surface = assembly.assemble(progress);
   if (assembly.flat().empty()) return surface;
   const TriangleMesh mended = withoutFlat(source, assembly.flat());
   if (mended.triangles.empty()) return surface;
-  surface = Assembly(mended, cracks, fragments, space).assemble(progress);
+  surface = FragmentAssembler(mended, cracks, fragments, space).assemble(progress);
   for (LabeledMesh& mesh : surface.meshes) {
     for (std::uint32_t& from : mesh.mesh.source) {
       if (from != TriangleMesh::kNoSource) from = mended.source[from];

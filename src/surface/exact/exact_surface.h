@@ -48,7 +48,7 @@ struct SpaceLabels {
 ///   cracks     overhang the source, and do not cross themselves
 ///   fragments  number of labels; Labels::kEroded has no mesh
 ///   throws     Error(cancelled)
-[[nodiscard]] ExactSurface exactSurface(const TriangleMesh& source, const Complex& cracks,
+[[nodiscard]] ExactSurface exactSurface(const TriangleMesh& source, const LabeledComplex& cracks,
                                         std::size_t fragments, const SpaceLabels& space,
                                         const Progress* progress = nullptr);
 

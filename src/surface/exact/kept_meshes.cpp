@@ -158,7 +158,7 @@ void setNeighbors(const ClosedSolid& part, std::vector<LabeledMesh>& meshes,
 }
 
 // Adds the meshes of a layer, and what was cut.
-void append(ExactSurface layer, const SolidMesh& own, ExactSurface& all, SolidMesh& whole) {
+void appendLayer(ExactSurface layer, const SolidMesh& own, ExactSurface& all, SolidMesh& whole) {
   addLayer(std::move(layer.meshes), all.meshes);
   std::move(layer.moved.begin(), layer.moved.end(), std::back_inserter(all.moved));
   const SolidMesh& cut = layer.united.mesh ? *layer.united.mesh : own;
@@ -194,7 +194,7 @@ ExactSurface keptMeshes(const Solid& solid, const Labels& labels,
     // Smooth surfaces are those of all voxels, which bodies share.
     if (!surface.smooth.empty()) return {.failure = std::move(surface.smooth.front().reason)};
     setNeighbors(part, surface.meshes, progress);
-    append(std::move(surface), *own, all, whole);
+    appendLayer(std::move(surface), *own, all, whole);
   }
   if (whole.source.size() != solid.mesh->source.size() || all.united.before > 0) {
     all.united.mesh = std::make_shared<const SolidMesh>(std::move(whole));

@@ -13,6 +13,7 @@
 
 #include "base/cancel_flag.h"
 #include "mesh/search/boxes.h"
+#include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
@@ -30,11 +31,6 @@ constexpr double kSmall = 0.5;
 constexpr double kSmallest = 0.25;
 
 enum class Verdict { no, yes, mixed };
-
-double longestEdge(const Corners& t) {
-  return std::max(
-      {glm::distance(t[0], t[1]), glm::distance(t[1], t[2]), glm::distance(t[2], t[0])});
-}
 
 // Whether another triangle comes so near to the interior of a triangle that it may separate exposed
 // from hidden parts of it.

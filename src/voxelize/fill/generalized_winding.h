@@ -22,6 +22,8 @@ namespace sherd {
 /// It is the winding number of the mesh closed by caps, an integer that Winding computes exactly,
 /// minus that of the caps.  So a closed mesh needs no solid angles, and an open one only those of
 /// its caps.
+///   source  Jacobson, Kavan, Sorkine-Hornung, Robust Inside-Outside Segmentation using Generalized
+///           Winding Numbers, 2013
 class GeneralizedWinding {
  public:
   ///   mesh  in index space

@@ -15,6 +15,11 @@ std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel) {
   return static_cast<std::uint32_t>(at - blocks.origins.begin());
 }
 
+std::size_t voxelIndexAt(const LeafBlocks& blocks, const openvdb::Coord& voxel) {
+  const std::uint32_t leaf = findLeaf(blocks, voxel);
+  return leaf == LeafBlocks::kNone ? kNoVoxel : std::size_t{leaf} * 512 + offsetFromCoord(voxel);
+}
+
 std::size_t voxelBehind(const LeafBlocks& blocks, std::size_t voxel, std::size_t axis) {
   static constexpr std::size_t kStep[] = {64, 8, 1};
   const std::size_t step = kStep[axis];

@@ -4,6 +4,7 @@
 #include <sherd/solid.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,8 +14,18 @@ namespace sherd {
 /// Returns the index of the leaf that holds `voxel`, or LeafBlocks::kNone.
 [[nodiscard]] std::uint32_t findLeaf(const LeafBlocks& blocks, const openvdb::Coord& voxel);
 
-/// Returns the voxel behind one in positive x, y or z, or kNoVoxel.
 inline constexpr std::size_t kNoVoxel = ~std::size_t{0};
+
+/// Returns the voxel in which a point in index space lies.
+[[nodiscard]] inline openvdb::Coord nearestVoxel(const glm::dvec3& point) {
+  return {static_cast<int>(std::floor(point.x + 0.5)), static_cast<int>(std::floor(point.y + 0.5)),
+          static_cast<int>(std::floor(point.z + 0.5))};
+}
+
+/// Returns the index of a voxel, or kNoVoxel where there is no leaf.
+[[nodiscard]] std::size_t voxelIndexAt(const LeafBlocks& blocks, const openvdb::Coord& voxel);
+
+/// Returns the voxel behind one in positive x, y or z, or kNoVoxel.
 [[nodiscard]] std::size_t voxelBehind(const LeafBlocks& blocks, std::size_t voxel,
                                       std::size_t axis);
 

@@ -52,7 +52,7 @@ VoxelOwners::VoxelOwners(const LeafBlocks& blocks, const TriangleTree& tree,
   owner_.assign(leaves_.size() * 512, kNone);
   CancelFlag stop(progress);
   tbb::parallel_for(std::size_t{0}, leaves_.size(), [&](std::size_t slot) {
-    if (!stop.isSet()) own(slot);
+    if (!stop.isSet()) findOwners(slot);
   });
   stop.throwIfSet();
 }
@@ -95,7 +95,7 @@ void VoxelOwners::findNear(const Progress* progress) {
   sortPairs();
 }
 
-void VoxelOwners::own(std::size_t slot) {
+void VoxelOwners::findOwners(std::size_t slot) {
   std::uint32_t guess = TriangleTree::kNone;
   for (std::size_t v = 0; v < 512; ++v) {
     const std::size_t voxel = std::size_t{leaves_[slot]} * 512 + v;

@@ -57,7 +57,7 @@ class VoxelOwners {
 
  private:
   void findNear(const Progress* progress);
-  void own(std::size_t slot);
+  void findOwners(std::size_t slot);
   void addNeighbors(std::size_t slot, std::vector<std::array<std::uint32_t, 2>>& found) const;
 
   const LeafBlocks& blocks_;

@@ -68,9 +68,6 @@ TEST_F(ReadNeighbors, PassesOverWhatElseIsThere) {
   put(std::uint8_t{3}), put(0), put(1), put(2), put(42);
   std::ofstream(file, std::ios::binary) << bytes;
   EXPECT_EQ(readMesh(file).mesh.neighbor, std::vector<std::uint16_t>{42});
-  bytes.replace(bytes.find("int neighbor"), 12, "int facing\x20\x20");  // schema sherd/1
-  std::ofstream(file, std::ios::binary) << bytes;
-  EXPECT_EQ(readMesh(file).mesh.neighbor, std::vector<std::uint16_t>{42});
 }
 
 // The property of another program, or faces of several kinds: no ids of fragments.

@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 Json twoFragments() {
   return Json::parse(R"({
     "schema": "sherd/2",
-    "source": {"file": "vase.obj"},
+    "source": {"file": "vase.obj", "unit": {"meters": 0.01, "from": "option"}, "up": {"axis": "y"}},
     "options": {"seed": 18446744073709551615},
     "grid": {"resolution": 24, "voxel_size": 0.5, "dims": [24, 20, 3], "index_min": [-2, 0, 1],
              "origin": [0.25, 0, -1.5],
@@ -26,9 +26,9 @@ Json twoFragments() {
     "components": 1,
     "fragments": [
       {"id": 1, "voxels": 300, "share": 0.5, "volume": -0.25, "area": 2.0, "fracture_area": 0.5,
-       "contacts": [{}], "files": {"mesh": "meshes/a.ply", "vdb": "fragments/a.vdb"}},
+       "surface": "exact", "contacts": [{}], "files": {"mesh": "meshes/a.ply", "vdb": "fragments/a.vdb"}},
       {"id": 2, "voxels": 300, "share": 0.5, "volume": 1.0, "area": 2.0, "fracture_area": 0.5,
-       "contacts": [{}], "files": {"mesh": ["meshes/b.obj", "meshes/b.ply"]}}],
+       "surface": "exact", "contacts": [{}], "files": {"mesh": ["meshes/b.obj", "meshes/b.ply"]}}],
     "files": ["labels.rle", "fragments/a.vdb", "meshes/a.ply", "meshes/b.obj", "meshes/b.ply"]
   })");
 }
@@ -93,21 +93,13 @@ TEST(ReadManifest, GivesWhatIsThere) {
   EXPECT_EQ(manifest.fragments[1].vdb, "");
 }
 
-TEST(ReadManifest, ReadsTheFormerSchema) {
-  Json json = twoFragments();
-  json["schema"] = "sherd/1";
-  json["parts"] = json["components"];
-  json.erase("components");
-  EXPECT_EQ(manifestOf(json).components, 1u);
-  json["schema"] = "sherd/3";
-  EXPECT_THROW((void)manifestOf(json), Error);
-}
-
 TEST(ReadManifest, RefusesWhatIsMissing) {
   const Json gone = Json::parse("", nullptr, /*allow_exceptions=*/false);
   for (const char* place : {"/schema",
                             "/source",
                             "/source/file",
+                            "/source/unit",
+                            "/source/up",
                             "/options",
                             "/options/seed",
                             "/grid",
@@ -126,6 +118,7 @@ TEST(ReadManifest, RefusesWhatIsMissing) {
                             "/fragments/1/volume",
                             "/fragments/1/area",
                             "/fragments/1/fracture_area",
+                            "/fragments/1/surface",
                             "/fragments/1/contacts",
                             "/fragments/1/files"}) {
     EXPECT_NE(refusal(place, gone), "") << place;

@@ -166,7 +166,7 @@ TEST(Stop, CuttingAsksOftenEnough) {
             }),
             4u);
   const TriangleMesh ball = shapes::ball(1.0, 5);
-  const Complex complex = complexOf(ball);
+  const LabeledComplex complex = complexOf(ball);
   const std::vector<std::size_t> triangles{100};
   EXPECT_GE(asksOf([&](const Progress* p) { (void)decimated(complex, triangles, p); }), 2u);
   EXPECT_GE(asksOf([&](const Progress* p) { (void)simplified(complex, 0.1, p); }), 2u);

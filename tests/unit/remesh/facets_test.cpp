@@ -16,8 +16,8 @@ namespace sherd {
 namespace {
 
 // A sheet of n * n squares over [0, n]^2, each of two triangles, its front above it.
-Complex sheet(std::uint32_t n, const std::function<glm::dvec3(double, double)>& at) {
-  Complex cracks;
+LabeledComplex sheet(std::uint32_t n, const std::function<glm::dvec3(double, double)>& at) {
+  LabeledComplex cracks;
   for (std::uint32_t i = 0; i <= n; ++i) {
     for (std::uint32_t j = 0; j <= n; ++j) cracks.vertices.push_back(at(i, j));
   }
@@ -34,14 +34,16 @@ Complex sheet(std::uint32_t n, const std::function<glm::dvec3(double, double)>& 
 
 double noise(std::uint64_t item) { return 2.0 * randomUnit(3, Stage::noise, item) - 1.0; }
 
-FaceEdges edgesOf(const Complex& cracks) { return {trianglesOf(cracks), cracks.vertices.size()}; }
+FaceEdges edgesOf(const LabeledComplex& cracks) {
+  return {trianglesOf(cracks), cracks.vertices.size()};
+}
 
-Facets facetsOf(const Complex& cracks, double tolerance) {
+Facets facetsOf(const LabeledComplex& cracks, double tolerance) {
   return facetsOf(cracks, edgesOf(cracks), FacetOptions{.cracks = {.tolerance = tolerance}});
 }
 
 // Two half planes that meet in the line x = n / 2, z = 0 at an angle of `degrees` between normals.
-Complex folded(std::uint32_t n, double degrees) {
+LabeledComplex folded(std::uint32_t n, double degrees) {
   const double angle = degrees / 180.0 * std::acos(-1.0), middle = n / 2.0;
   return sheet(n, [=](double x, double y) {
     const double apart = x - middle;
@@ -52,7 +54,7 @@ Complex folded(std::uint32_t n, double degrees) {
 
 TEST(Facets, APlaneIsOneFacet) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.3, 0.2, 1.0));
-  const Complex cracks =
+  const LabeledComplex cracks =
       sheet(12, [](double x, double y) { return glm::dvec3(x, y, 0.3 * x - 0.2 * y + 7.0); });
   const Facets facets = facetsOf(cracks, 1e-9);
   ASSERT_EQ(facets.planes.size(), 1u);
@@ -63,7 +65,7 @@ TEST(Facets, APlaneIsOneFacet) {
 TEST(Facets, HalfPlanesAtALargeAngleAreTwo) {
   // Beyond 60 degrees no face joins the other plane's facet, at any tolerance.
   for (const double degrees : {61.0, 90.0, 120.0}) {
-    const Complex cracks = folded(12, degrees);
+    const LabeledComplex cracks = folded(12, degrees);
     const Facets facets = facetsOf(cracks, 100.0);
     ASSERT_EQ(facets.planes.size(), 2u);
     EXPECT_NEAR(glm::dot(facets.planes[0].normal, facets.planes[1].normal),
@@ -79,7 +81,7 @@ TEST(Facets, HaveTheirCornersWithinTheToleranceOfTheirPlane) {
   // the tolerance of each when that was added, with at least half of the final faces but the last
   // few, so that twice the tolerance and what small facets may add is an upper bound.
   const double tolerance = 0.2;
-  const Complex cracks = sheet(40, [=](double x, double y) {
+  const LabeledComplex cracks = sheet(40, [=](double x, double y) {
     return glm::dvec3(x, y, 3.0 * tolerance * std::sin(0.3 * x) * std::cos(0.25 * y));
   });
   const Facets facets = facetsOf(cracks, tolerance);
@@ -96,7 +98,7 @@ TEST(Facets, HaveTheirCornersWithinTheToleranceOfTheirPlane) {
 }
 
 TEST(Facets, OtherLabelsAndEdgesOfThreeFacesSeparateFacets) {
-  Complex cracks = sheet(8, [](double x, double y) { return glm::dvec3(x, y, 0.0); });
+  LabeledComplex cracks = sheet(8, [](double x, double y) { return glm::dvec3(x, y, 0.0); });
   for (std::size_t f = 64; f < 128; ++f) cracks.faces[f].back = 3;
   EXPECT_EQ(facetsOf(cracks, 0.1).planes.size(), 2u);
   for (std::size_t f = 64; f < 128; ++f) cracks.faces[f].back = 2;
@@ -118,7 +120,7 @@ TEST(Facets, OtherLabelsAndEdgesOfThreeFacesSeparateFacets) {
 TEST(Facets, SnappingMovesABorderToTheLineOfItsPlanes) {
   // The vertices of the fold are displaced along x, by less than a square.
   constexpr std::uint32_t kSide = 24;
-  Complex cracks = folded(kSide, 90.0);
+  LabeledComplex cracks = folded(kSide, 90.0);
   const glm::dvec3* const fold = &cracks.vertices[kSide / 2 * (kSide + 1)];
   for (std::uint32_t j = 0; j <= kSide; ++j) {
     cracks.vertices[kSide / 2 * (kSide + 1) + j] += glm::dvec3(0.1 * noise(j), 0.0, 0.0);
@@ -140,7 +142,7 @@ TEST(Facets, SnappingMovesABorderToTheLineOfItsPlanes) {
 }
 
 TEST(Facets, SnappingLeavesVerticesThatWouldMoveFar) {
-  const Complex cracks = folded(24, 90.0);
+  const LabeledComplex cracks = folded(24, 90.0);
   Facets facets = facetsOf(cracks, 0.1);
   ASSERT_EQ(facets.planes.size(), 2u);
   for (Facets::Plane& plane : facets.planes) plane.point.z += 3.0;
@@ -149,7 +151,7 @@ TEST(Facets, SnappingLeavesVerticesThatWouldMoveFar) {
 }
 
 TEST(Facets, SnappingLeavesVerticesOfOtherFaces) {
-  const Complex cracks = folded(24, 90.0);
+  const LabeledComplex cracks = folded(24, 90.0);
   Facets facets = facetsOf(cracks, 0.1);
   for (Facets::Plane& plane : facets.planes) plane.point.z += 0.5;
   facets.ofFace[100] = Facets::kNone;

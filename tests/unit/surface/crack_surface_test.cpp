@@ -30,7 +30,7 @@ namespace {
 constexpr double kTolerance = 0.1;  // voxels
 
 // Of cracks in voxels that overhang nothing.
-Complex simplified(const Complex& cracks, double tolerance, std::uint64_t seed) {
+LabeledComplex simplified(const LabeledComplex& cracks, double tolerance, std::uint64_t seed) {
   return simplifiedCracks(cracks, {}, {}, {.adaptivity = tolerance, .displacementSeed = seed});
 }
 
@@ -38,7 +38,7 @@ Complex simplified(const Complex& cracks, double tolerance, std::uint64_t seed) 
 struct Cracked {
   TriangleMesh mesh;
   FractureResult result;
-  Complex cracks;
+  LabeledComplex cracks;
 
   Cracked(TriangleMesh of, int pieces, double roughness = 0.0, CrackEnds ends = CrackEnds::quads)
       : mesh(std::move(of)) {
@@ -53,20 +53,20 @@ struct Cracked {
   }
 
   double voxel() const { return result.solid.frame.voxelSize; }
-  Complex simple(double adaptivity = kTolerance, std::uint64_t seed = 0) const {
+  LabeledComplex simple(double adaptivity = kTolerance, std::uint64_t seed = 0) const {
     return simplifiedCracks(cracks, mesh, result.solid.frame,
                             {.adaptivity = adaptivity, .displacementSeed = seed});
   }
 };
 
-std::size_t crossings(const Complex& cracks) {
+std::size_t crossings(const LabeledComplex& cracks) {
   return selfCrossings(cracks.vertices, trianglesOf(cracks)).size();
 }
 
-TriangleMesh meshOf(const Complex& cracks) { return {cracks.vertices, trianglesOf(cracks)}; }
+TriangleMesh meshOf(const LabeledComplex& cracks) { return {cracks.vertices, trianglesOf(cracks)}; }
 
 // Edges that the surface of a label uses more often in one direction.
-std::set<std::array<std::uint32_t, 2>> openEdges(const Complex& cracks) {
+std::set<std::array<std::uint32_t, 2>> openEdges(const LabeledComplex& cracks) {
   std::map<std::array<std::uint32_t, 3>, int> balance;  // lower end, higher end, label
   for (const ComplexFace& face : cracks.faces) {
     for (int k = 0; k < 3; ++k) {
@@ -89,7 +89,7 @@ struct Overhang {
   double nearer = 1e9, farther = 1e9;
 };
 
-Overhang overhangOf(const Complex& cracks) {
+Overhang overhangOf(const LabeledComplex& cracks) {
   Overhang least;
   for (const auto& [a, b] : openEdges(cracks)) {
     const auto [low, high] =
@@ -174,7 +174,7 @@ TEST(CrackSurface, IsClosedAroundEveryLabelInsideTheSolid) {
 TEST(CrackSurface, WithHalfQuadsHasMoreFacesBeyondTheSolid) {
   const Cracked quads(shapes::ball(1.0), 60);
   const Cracked more(shapes::ball(1.0), 60, 0.0, CrackEnds::halfQuads);
-  const auto cornersOf = [](const Complex& cracks) {
+  const auto cornersOf = [](const LabeledComplex& cracks) {
     std::set<std::array<std::array<double, 3>, 3>> all;
     for (const glm::uvec3& t : trianglesOf(cracks)) {
       std::array<std::array<double, 3>, 3> own;
@@ -212,7 +212,7 @@ TEST(CrackSurface, DoesNotCrossItself) {
 }
 
 TEST(CrackSurface, IsTheSameWithOneThreadAndTwo) {
-  std::vector<Complex> all;
+  std::vector<LabeledComplex> all;
   for (const std::size_t threads : {1u, 2u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const Cracked cracked(shapes::torus(1.0, 0.4), 12, 1.0);
@@ -231,7 +231,7 @@ TEST(CrackSurface, IsTheSameWithOneThreadAndTwo) {
 
 TEST(SimplifiedCracks, OfAPlaneHaveFewTriangles) {
   const Cracked cracked(shapes::ball(1.0), 2);
-  const Complex simple = cracked.simple();
+  const LabeledComplex simple = cracked.simple();
   const std::map<std::uint16_t, glm::dvec3> seeds = seedsOf(cracked);
   for (const glm::dvec3& v : simple.vertices) {
     const glm::dvec3 p = cracked.result.solid.frame.indexFromWorld(v);
@@ -271,7 +271,7 @@ struct Deviation {
 // The distances from `to` of some points of the faces of `from`, those that are inside the mesh.
 // The mean is by area.
 template <class Points>
-Deviation deviation(const Cracked& cracked, const Complex& from, const Complex& to,
+Deviation deviation(const Cracked& cracked, const LabeledComplex& from, const LabeledComplex& to,
                     const Points& pointsOfFace) {
   const TriangleTree solid(cracked.mesh), tree(meshOf(to));
   Deviation found;
@@ -303,7 +303,7 @@ TEST(SimplifiedCracks, StayWithinTheToleranceOfTheCracksInTheMean) {
     const Cracked cracked(mesh, 3, roughness);
     for (const double tolerance : {0.1, 0.5}) {
       SCOPED_TRACE(std::to_string(roughness) + ", tolerance " + std::to_string(tolerance));
-      const Complex simple = cracked.simple(tolerance);
+      const LabeledComplex simple = cracked.simple(tolerance);
       EXPECT_LT(simple.faces.size(), cracked.cracks.faces.size() / 2);
       EXPECT_EQ(crossings(simple), 0u);
       const auto every = [&](const std::array<glm::dvec3, 3>& t) {
@@ -331,7 +331,7 @@ TEST(SimplifiedCracks, AreNeverMoreThanMergedPlanes) {
 
 TEST(MergedCracks, OfAPlaneHaveFewTriangles) {
   const Cracked cracked(shapes::ball(1.0), 2);
-  const Complex simple = cracked.simple(kAutoAdaptivity);
+  const LabeledComplex simple = cracked.simple(kAutoAdaptivity);
   const std::map<std::uint16_t, glm::dvec3> seeds = seedsOf(cracked);
   for (const glm::dvec3& v : simple.vertices) {
     const glm::dvec3 p = cracked.result.solid.frame.indexFromWorld(v);
@@ -352,7 +352,7 @@ TEST(MergedCracks, OfAPlaneHaveFewTriangles) {
 TEST(MergedCracks, OfAThinWallHaveFewTriangles) {
   for (const double wall : {0.05, 0.1}) {
     const Cracked cracked(shapes::cup(1.0, wall, 1.5, 0.15, 69), 2);
-    const Complex simple = cracked.simple(kAutoAdaptivity);
+    const LabeledComplex simple = cracked.simple(kAutoAdaptivity);
     EXPECT_LT(simple.faces.size(), cracked.cracks.faces.size() / 10);
     EXPECT_EQ(crossings(simple), 0u);
     EXPECT_LE(deviation(cracked, cracked.cracks, simple, cornersAndMiddle).rms,
@@ -363,7 +363,7 @@ TEST(MergedCracks, OfAThinWallHaveFewTriangles) {
 TEST(MergedCracks, StayNearTheCracks) {
   for (const double roughness : {0.0, 1.5}) {
     const Cracked cracked(shapes::cube(1.0), 8, roughness);
-    const Complex simple = cracked.simple(kAutoAdaptivity);
+    const LabeledComplex simple = cracked.simple(kAutoAdaptivity);
     EXPECT_LT(simple.faces.size(), cracked.cracks.faces.size());
     // Vertices move by ten tolerances at most onto their planes, single faces join facets up to
     // four away.
@@ -373,7 +373,7 @@ TEST(MergedCracks, StayNearTheCracks) {
 
 TEST(SimplifiedCracks, AreDisplacedBySeed) {
   const Cracked cracked(shapes::ball(1.0), 3);
-  const Complex a = cracked.simple(kTolerance, 0);
+  const LabeledComplex a = cracked.simple(kTolerance, 0);
   EXPECT_EQ(cracked.simple(kTolerance, 0).vertices, a.vertices);
   EXPECT_NE(cracked.simple(kTolerance, 1).vertices, a.vertices);
   EXPECT_TRUE(simplified({}, kTolerance, 0).faces.empty());
@@ -381,7 +381,7 @@ TEST(SimplifiedCracks, AreDisplacedBySeed) {
 
 TEST(SimplifiedCracks, KeepAllFacesWithoutATolerance) {
   const Cracked cracked(shapes::cube(1.0), 3, 1.0);
-  const Complex simple = cracked.simple(0.0);
+  const LabeledComplex simple = cracked.simple(0.0);
   EXPECT_EQ(simple.faces.size(), cracked.cracks.faces.size());
   EXPECT_LE(deviation(cracked, simple, cracked.cracks, cornersAndMiddle).most,
             std::sqrt(3.0) * 1e-3 * kPlanarCrackTolerance + 1e-6);  // and the rounding of positions
@@ -389,9 +389,9 @@ TEST(SimplifiedCracks, KeepAllFacesWithoutATolerance) {
 
 // A ramp that winds around the z axis, over [10, 10 + width], two turns within less than a
 // tolerance of 1: each turn covers the one below in the projection along the axis.
-Complex ramp(std::uint32_t width) {
+LabeledComplex ramp(std::uint32_t width) {
   constexpr std::uint32_t kSteps = 160;
-  Complex cracks;
+  LabeledComplex cracks;
   for (std::uint32_t i = 0; i <= kSteps; ++i) {
     const double angle = 4.0 * std::numbers::pi * i / kSteps;
     for (std::uint32_t j = 0; j <= width; ++j) {
@@ -412,8 +412,8 @@ Complex ramp(std::uint32_t width) {
 TEST(MergedCracks, KeepTheFacesOfAFacetThatCoversItself) {
   // Splitting faces off its border does not help.
   for (const std::uint32_t width : {2u, 30u}) {
-    const Complex cracks = ramp(width);
-    const Complex simple =
+    const LabeledComplex cracks = ramp(width);
+    const LabeledComplex simple =
         withMergedFacets(cracks, {.facets = {.cracks = {.tolerance = 1.0}}, .displacementSeed = 0})
             .complex;
     EXPECT_EQ(crossings(simple), 0u);
@@ -424,7 +424,7 @@ TEST(MergedCracks, KeepTheFacesOfAFacetThatCoversItself) {
 // A plane with an edge at which the same two labels have two more faces, above and below.
 TEST(MergedCracks, WithAFaultOfTheirOwnHaveFewTrianglesElsewhere) {
   constexpr std::uint32_t kSide = 30, kMiddle = 15;
-  Complex cracks;
+  LabeledComplex cracks;
   for (std::uint32_t i = 0; i <= kSide; ++i) {
     for (std::uint32_t j = 0; j <= kSide; ++j) cracks.vertices.emplace_back(i, j, 0.0);
   }
@@ -443,14 +443,14 @@ TEST(MergedCracks, WithAFaultOfTheirOwnHaveFewTrianglesElsewhere) {
     cracks.vertices.emplace_back(kMiddle, kMiddle, z);
     add(at(kMiddle, kMiddle), at(kMiddle + 1, kMiddle), first, first + 1);
   }
-  const Complex simple = simplifiedCracks(cracks, {}, {}, {.adaptivity = kAutoAdaptivity});
+  const LabeledComplex simple = simplifiedCracks(cracks, {}, {}, {.adaptivity = kAutoAdaptivity});
   EXPECT_LT(simple.faces.size(), cracks.faces.size() / 4);
 }
 
 TEST(SimplifiedCracks, OfARampThatCoversItselfDoNotCross) {
   for (const std::uint32_t width : {2u, 30u}) {
-    const Complex cracks = ramp(width);
-    const Complex simple = simplified(cracks, 1.0, 0);
+    const LabeledComplex cracks = ramp(width);
+    const LabeledComplex simple = simplified(cracks, 1.0, 0);
     EXPECT_LT(simple.faces.size(), cracks.faces.size());
     EXPECT_EQ(crossings(simple), 0u);
   }
@@ -458,13 +458,13 @@ TEST(SimplifiedCracks, OfARampThatCoversItselfDoNotCross) {
 
 TEST(SimplifiedCracks, MayHaveFacesWithoutArea) {
   // A row of them has no plane.
-  Complex cracks;
+  LabeledComplex cracks;
   for (int i = 0; i < 9; ++i) cracks.vertices.emplace_back(i, 0.0, 0.0);
   for (std::uint32_t i = 0; i + 2 < 9; ++i) {
     cracks.faces.push_back(
         {i % 2 == 0 ? glm::uvec3(i, i + 1, i + 2) : glm::uvec3(i + 1, i, i + 2), 1, 2});
   }
-  const Complex simple = simplified(cracks, 1e-3, 0);
+  const LabeledComplex simple = simplified(cracks, 1e-3, 0);
   EXPECT_LE(simple.faces.size(), cracks.faces.size());
   for (const glm::dvec3& v : simple.vertices) EXPECT_TRUE(std::isfinite(v.x + v.y + v.z));
 }

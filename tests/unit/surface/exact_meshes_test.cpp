@@ -446,7 +446,7 @@ TEST(Exact, IslandsThatTouchEachOtherGoToTheirNeighbors) {
     while (slab + 1 < kLabels.size() && p.x > kEnds[slab + 1]) ++slab;
     return kLabels[slab];
   };
-  Complex cracks;
+  LabeledComplex cracks;
   for (std::size_t i = 0; i + 1 < kLabels.size(); ++i) {
     const auto first = static_cast<std::uint32_t>(cracks.vertices.size());
     const double x = kEnds[i + 1];
