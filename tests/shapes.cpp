@@ -162,6 +162,12 @@ double hollowBallVolume(double outer, double inner) {
 }
 double hollowBallArea(double outer, double inner) { return ballArea(outer) + ballArea(inner); }
 
+TriangleMesh joined(const std::vector<TriangleMesh>& meshes) {
+  TriangleMesh all;
+  for (const TriangleMesh& mesh : meshes) all = append(all, mesh);
+  return all;
+}
+
 TriangleMesh append(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh out = a;
   out.vertices.insert(out.vertices.end(), b.vertices.begin(), b.vertices.end());

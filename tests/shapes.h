@@ -51,6 +51,7 @@ namespace sherd::shapes {
 
 /// Both meshes in one; nothing is merged.
 [[nodiscard]] TriangleMesh append(const TriangleMesh& a, const TriangleMesh& b);
+[[nodiscard]] TriangleMesh joined(const std::vector<TriangleMesh>& meshes);
 
 /// scale * vertex + offset, scale > 0.
 [[nodiscard]] TriangleMesh transformed(const TriangleMesh& mesh, double scale, glm::dvec3 offset);

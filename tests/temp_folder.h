@@ -5,10 +5,18 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
 namespace sherd {
+
+/// The content of a file.
+inline std::string bytesOf(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 /// Copy every manifest below a folder into $SHERD_TEST_MANIFESTS, if set, where
 /// tests/cli/unit_manifests_test.py checks them.

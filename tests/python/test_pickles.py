@@ -42,13 +42,13 @@ def test_what_issolid_again_is_the_same(subjects, name):
 def test_a_damaged_pickle_is_refused_or_the_same(subjects, name):
     """Where the damage is in our states; tests/long/pickles.py does this 2000 times with all, each in a process that may crash."""
     data = pickle.dumps(subjects[name])
-    places, seen = damages.states_in(data), 0
-    for number in range(40):
+    places, number, seen = damages.states_in(data), 0, 0
+    while number < 40 or seen < 10:  # a small state is hit less often than the rest of its pickle
+        number += 1
         out, is_within = damages.one(data, f"{name} {number}", places)
         if is_within:  # else operations of pickle are damaged, which may take any memory
             assert damages.outcome(out, True, subjects[name]) in ("refused", "same"), number
             seen += 1
-    assert seen > 5
 
 
 @pytest.mark.parametrize("name", ["textured", "volume", "fracture", "options", "fragment"])

@@ -32,11 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string bytesOf(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 // Bytes without a period.
 std::string noise(std::size_t size, std::uint64_t seed) {
   std::string bytes;

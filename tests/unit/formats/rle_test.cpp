@@ -41,11 +41,6 @@ class ReadRle : public TempFolder {
 };
 using WriteRle = ReadRle;
 
-std::string bytesOf(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 std::string u32(std::uint32_t v) {
   return {static_cast<char>(v & 255), static_cast<char>(v >> 8 & 255),
           static_cast<char>(v >> 16 & 255), static_cast<char>(v >> 24)};

@@ -34,11 +34,6 @@ const std::vector<PointOptions> kEveryWay{
     {.sampler = PointSampler::uniform, .rule = PointRule::perTriangle},
     {.sampler = PointSampler::halton, .rule = PointRule::perTriangle}};
 
-std::string textOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // Passes on what `make(first, end)` returns in blocks of a few.
 template <class Block, class Make>
 Blocks<Block> inFew(std::size_t count, const Make& make) {
@@ -83,7 +78,7 @@ TEST_F(SampleMemory, FilesOfPointsAreTheSameInAnyBlocks) {
        {PointFormat::ply, PointFormat::xyz, PointFormat::npz, PointFormat::binp}) {
     writePoints(folder_ / "whole", samplePoints(ball, options), format);
     writePoints(folder_ / "blocks", blocks, format);
-    EXPECT_EQ(textOf(folder_ / "whole"), textOf(folder_ / "blocks"));
+    EXPECT_EQ(bytesOf(folder_ / "whole"), bytesOf(folder_ / "blocks"));
   }
 }
 
@@ -97,7 +92,7 @@ TEST_F(SampleMemory, FilesOfDistancesAreTheSameInAnyBlocks) {
         100, [&](std::size_t first, std::size_t end) { return sequence.samples(first, end); });
     writeDistances(folder_ / "whole", sampleDistances(ball, options));
     writeDistances(folder_ / "blocks", blocks);
-    EXPECT_EQ(textOf(folder_ / "whole"), textOf(folder_ / "blocks"));
+    EXPECT_EQ(bytesOf(folder_ / "whole"), bytesOf(folder_ / "blocks"));
   }
 }
 
@@ -139,7 +134,7 @@ TEST_F(SampleMemory, CorrespondencesAreTheSameContactByContact) {
   writeCorrespondences(folder_ / "whole", whole);
   const ContactSequence sequence(fragments, 50, 5);
   writeCorrespondences(folder_ / "blocks", sequence.blocks());
-  EXPECT_EQ(textOf(folder_ / "whole"), textOf(folder_ / "blocks"));
+  EXPECT_EQ(bytesOf(folder_ / "whole"), bytesOf(folder_ / "blocks"));
 }
 
 // Four gibibytes hold 134 million correspondences of 32 bytes.

@@ -392,11 +392,6 @@ Image noise(int width, int height) {
   return image;
 }
 
-std::string bytesOf(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST_F(Png, ReadsBackAsThePictureItWas) {
   for (const Image& image : {noise(97, 41), renderFragments({}, {.width = 64, .height = 48})}) {
     writePng(folder_ / "a.png", image);

@@ -69,12 +69,6 @@ TriangleMesh badBody(const glm::dvec3& center, double voxelSize) {
       large, openBox(center + glm::dvec3(1.0 + voxelSize / 3.0, 0.1, 0.1), glm::dvec3(side)));
 }
 
-TriangleMesh joined(const std::vector<TriangleMesh>& bodies) {
-  TriangleMesh all;
-  for (const TriangleMesh& body : bodies) all = shapes::append(all, body);
-  return all;
-}
-
 using Face = std::array<std::array<double, 3>, 3>;
 
 // Every face of a crack, with how often it is there, from either side.
@@ -131,7 +125,7 @@ TEST(ExactByCluster, OtherBodiesStayExactWhereverTheBadOneIs) {
   for (const std::vector<TriangleMesh>& bodies :
        {std::vector{bad, cube, plate}, std::vector{cube, bad, plate},
         std::vector{cube, plate, bad}}) {
-    const TriangleMesh mesh = joined(bodies);
+    const TriangleMesh mesh = shapes::joined(bodies);
     const FractureResult result = broken(mesh, withVoxels(h, 9));
     ASSERT_EQ(result.exactFailure, "");
     ASSERT_EQ(result.smooth.size(), 1u);
@@ -162,7 +156,7 @@ TEST(ExactByCluster, OtherBodiesStayExactWhereverTheBadOneIs) {
 TEST(ExactByCluster, TrianglesThatNoCrackMeetsStayAsTheyAre) {
   const TriangleMesh ball = shapes::ball(1.0, 4);
   const double h = 0.1;
-  const TriangleMesh mesh = joined({badBody({4.0, 0.0, 0.0}, h), ball});
+  const TriangleMesh mesh = shapes::joined({badBody({4.0, 0.0, 0.0}, h), ball});
   const FractureResult result = broken(mesh, withVoxels(h, 6));
   ASSERT_EQ(result.smooth.size(), 1u);
   std::set<Face> input;
@@ -194,9 +188,9 @@ TEST(ExactByCluster, TrianglesThatNoCrackMeetsStayAsTheyAre) {
 
 TEST(ExactByCluster, EachReasonIsOfItsOwnBodies) {
   const double h = 0.1;
-  const FractureResult result =
-      broken(joined({badBody({4.0, 0.0, 0.0}, h), shapes::cube(2.0), badBody({8.0, 0.0, 0.0}, h)}),
-             withVoxels(h, 12));
+  const FractureResult result = broken(
+      shapes::joined({badBody({4.0, 0.0, 0.0}, h), shapes::cube(2.0), badBody({8.0, 0.0, 0.0}, h)}),
+      withVoxels(h, 12));
   ASSERT_EQ(result.exactFailure, "");
   ASSERT_EQ(result.smooth.size(), 2u);
   for (const SmoothBodies& bodies : result.smooth) {
@@ -217,8 +211,9 @@ TEST(ExactByCluster, EachReasonIsOfItsOwnBodies) {
 }
 
 TEST(ExactByCluster, AllBadFallBackTogether) {
-  const FractureResult result = broken(
-      joined({badBody({0.0, 0.0, 0.0}, 0.1), badBody({4.0, 0.0, 0.0}, 0.1)}), withVoxels(0.1, 4));
+  const FractureResult result =
+      broken(shapes::joined({badBody({0.0, 0.0, 0.0}, 0.1), badBody({4.0, 0.0, 0.0}, 0.1)}),
+             withVoxels(0.1, 4));
   EXPECT_NE(result.exactFailure, "");
   EXPECT_TRUE(result.smooth.empty());
   EXPECT_EQ(smoothIds(result).size(), result.fragments.size());
@@ -230,7 +225,7 @@ TEST(ExactByCluster, BudgetsErosionAndLevelSetsAreOfBothKinds) {
   options.surface.triangles = {400, 100};
   options.erode.iterations = 1;
   const FractureResult result =
-      broken(joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 4)}), options);
+      broken(shapes::joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 4)}), options);
   ASSERT_EQ(result.smooth.size(), 1u);
   std::set<Surface> kinds;
   for (const Fragment& fragment : result.fragments) {
@@ -256,7 +251,7 @@ TEST(ExactByCluster, IndependentInterfacesAreOfTheSmoothFragments) {
   FractureOptions options = withVoxels(0.1, 8);
   options.surface.interface = Interface::independent;
   const FractureResult result =
-      broken(joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 3)}), options);
+      broken(shapes::joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 3)}), options);
   ASSERT_EQ(result.smooth.size(), 1u);
   std::map<Surface, int> shared, alone;
   for (const Fragment& fragment : result.fragments) {
@@ -272,7 +267,7 @@ TEST(ExactByCluster, IndependentInterfacesAreOfTheSmoothFragments) {
 }
 
 TEST(ExactByCluster, ThreadsDoNotMatter) {
-  const TriangleMesh mesh = joined({shapes::cube(2.0), badBody({4.0, 0.0, 0.0}, 0.1)});
+  const TriangleMesh mesh = shapes::joined({shapes::cube(2.0), badBody({4.0, 0.0, 0.0}, 0.1)});
   std::vector<FractureResult> results;
   for (const int threads : {1, 2}) {
     tbb::task_arena arena(threads);
@@ -288,7 +283,7 @@ TEST(ExactByCluster, ThreadsDoNotMatter) {
 
 // A fracture is cancelled at any report of its progress, those of clusters among them.
 TEST(ExactByCluster, CanBeCancelledWhileClustersAreCut) {
-  const TriangleMesh mesh = joined({shapes::cube(2.0), badBody({4.0, 0.0, 0.0}, 0.1)});
+  const TriangleMesh mesh = shapes::joined({shapes::cube(2.0), badBody({4.0, 0.0, 0.0}, 0.1)});
   const auto reports = [&](int stop) {
     std::atomic<int> count = 0;
     const Progress progress{.report = [&](std::string_view, double) { ++count; },
@@ -430,8 +425,8 @@ TEST(BodyClusters, HaveAllTrianglesAndFragmentsOnce) {
   // A ball in a hollow one, a bar with a neck thinner than a voxel, and a box without voxels.
   TriangleMesh neck = shapes::append(box({3, 0, 0}, {1, 1, 1}), box({5, 0, 0}, {1, 1, 1}));
   neck = shapes::append(neck, box({3.9, 0.503, 0.503}, {1.2, 0.01, 0.01}));
-  const TriangleMesh mesh = joined({shapes::hollowBall(1.5, 1.0, 3), shapes::ball(0.5, 2), neck,
-                                    box({-1, 2.503, -1}, {2, 0.01, 2})});
+  const TriangleMesh mesh = shapes::joined({shapes::hollowBall(1.5, 1.0, 3), shapes::ball(0.5, 2),
+                                            neck, box({-1, 2.503, -1}, {2, 0.01, 2})});
   const Clustered found = clustersOf(mesh, 9, 64);
   std::vector<int> triangles(mesh.triangles.size(), 0),
       fragments(static_cast<std::size_t>(found.labels.fragmentCount) + 1, 0);

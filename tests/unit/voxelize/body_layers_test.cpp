@@ -33,12 +33,6 @@ Bodies turned(Bodies bodies) {
   return bodies;
 }
 
-TriangleMesh joined(const Bodies& bodies) {
-  TriangleMesh all;
-  for (const TriangleMesh& body : bodies) all = shapes::append(all, body);
-  return all;
-}
-
 // Bricks without mortar: gaps of `gap` between all of them.
 Bodies bricks(double gap) {
   Bodies all;
@@ -88,7 +82,7 @@ std::vector<int> bodiesOfVoxels(const Solid& solid, const Bodies& bodies) {
 
 TEST_F(BodyLayers, VoxelsAreConnectedWithinTheirBodiesOnly) {
   for (const Bodies& bodies : nearBodies()) {
-    const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
     const std::vector<int> body = bodiesOfVoxels(solid, bodies);
     const VoxelComponents components = findComponents(*solid.blocks, device());
     std::map<std::uint32_t, std::set<int>> bodiesOfComponents;
@@ -106,7 +100,7 @@ TEST_F(BodyLayers, VoxelsAreConnectedWithinTheirBodiesOnly) {
 TEST_F(BodyLayers, ThickBodiesAreOneComponentEach) {
   for (const double gap : {1e-9, 0.1, 0.5, 0.9, 1.5, 2.5}) {
     for (const Bodies& bodies : {bricks(gap), turned(bricks(gap))}) {
-      const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+      const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
       EXPECT_EQ(findComponents(*solid.blocks, device()).count(), bodies.size()) << gap;
       EXPECT_NEAR(static_cast<double>(solid.voxels), 6.0 * 216.0, 130.0);
       if (gap < 0.4) {
@@ -150,7 +144,7 @@ TEST_F(BodyLayers, BodiesThatTouchOverlapOrLieWithinEachOtherAreOne) {
   for (const Bodies& bodies : {bricks(0.0), bricks(-0.3), turned(bricks(-0.3)), deep,
                                Bodies{shapes::cube(12.0), shapes::cube(4.0, {3.7, 0.1, 0.2})},
                                Bodies{shapes::hollowBall(10.0, 8.6)}}) {
-    const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
     EXPECT_EQ(findComponents(*solid.blocks, device()).count(), 1u);
     EXPECT_EQ(solid.report.nearBodies, 0u);
     EXPECT_TRUE(solid.blocks->layers.empty());
@@ -159,7 +153,7 @@ TEST_F(BodyLayers, BodiesThatTouchOverlapOrLieWithinEachOtherAreOne) {
 
 // Where no voxels of different bodies lie side by side, layers change nothing.
 TEST_F(BodyLayers, GrowthIsThatOfOneLayerWhereBodiesAreFarEnoughApart) {
-  const Solid layered = voxelize(joined(bricks(1.2)), {.voxelSize = 0.5});
+  const Solid layered = voxelize(shapes::joined(bricks(1.2)), {.voxelSize = 0.5});
   ASSERT_GT(layered.blocks->layers.size(), 0u);
   Solid plain = layered;
   LeafBlocks blocks = *layered.blocks;
@@ -189,7 +183,7 @@ TEST_F(BodyLayers, CellsAreThoseOfTheSeedsInTheirBody) {
                 shapes::cube(14.0, {7.0, 0.0, 14.05})};
   for (const bool isTurned : {false, true}) {
     if (isTurned) bodies = turned(bodies);
-    const Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
     ASSERT_EQ(solid.blocks->layers.size(), 2u);
     const std::vector<int> body = bodiesOfVoxels(solid, bodies);
     for (const Growth growth : {Growth::euclid, Growth::nearest}) {
@@ -218,7 +212,7 @@ TEST_F(BodyLayers, CellsAreThoseOfTheSeedsInTheirBody) {
 
 TEST_F(BodyLayers, AFragmentIsOfOneBody) {
   for (const Bodies& bodies : {bricks(0.01), turned(bricks(0.3)), turned(cards(3.0, 0.02))}) {
-    Solid solid = voxelize(joined(bodies), {.voxelSize = 1.0});
+    Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
     const std::vector<int> body = bodiesOfVoxels(solid, bodies);
     for (const Growth growth : {Growth::flood, Growth::chain, Growth::euclid, Growth::sequential}) {
       FractureOptions options{.pieces = 20, .seed = 2};
@@ -236,7 +230,7 @@ TEST_F(BodyLayers, AFragmentIsOfOneBody) {
 
 TEST_F(BodyLayers, FragmentsBreakAgainByThemselves) {
   const FractureResult first =
-      fracture(voxelize(joined(bricks(0.01)), {.voxelSize = 0.5}), {.pieces = 6}, device());
+      fracture(voxelize(shapes::joined(bricks(0.01)), {.voxelSize = 0.5}), {.pieces = 6}, device());
   FinishedFracture finished;
   finished.solid = first.solid;
   finished.labels = first.labels;
@@ -255,17 +249,17 @@ TEST_F(BodyLayers, FragmentsBreakAgainByThemselves) {
 TEST_F(BodyLayers, CracksAloneErode) {
   FractureOptions options{.pieces = 6, .solid = {.voxelSize = 1.0}};
   options.erode = {.iterations = 2.0, .on = ErodeOn::fracture};
-  const FractureResult whole = fracture(joined(turned(bricks(0.05))), options, device());
+  const FractureResult whole = fracture(shapes::joined(turned(bricks(0.05))), options, device());
   EXPECT_EQ(whole.eroded[0], 0u);  // each brick is a piece, without cracks
   options.pieces = 12;
-  EXPECT_GT(fracture(joined(turned(bricks(0.05))), options, device()).eroded[0], 0u);
+  EXPECT_GT(fracture(shapes::joined(turned(bricks(0.05))), options, device()).eroded[0], 0u);
 }
 
 TEST_F(BodyLayers, CoarseFragmentsAreWhereTheirBodiesAre) {
   const Bodies bodies = bricks(0.01);
   FractureOptions options{.pieces = 12, .solid = {.voxelSize = 1.0}};
   options.surface = {.levelSets = false, .surface = Surface::exact, .triangles = {60}};
-  const FractureResult result = fracture(joined(bodies), options, device());
+  const FractureResult result = fracture(shapes::joined(bodies), options, device());
   ASSERT_EQ(result.exactFailure, "");
   for (const Fragment& fragment : result.fragments) {
     ASSERT_EQ(fragment.coarse.size(), 1u);
@@ -281,7 +275,7 @@ TEST_F(BodyLayers, ExactFragmentsAreOfOneBody) {
   for (const Bodies& bodies : nearBodies()) {
     FractureOptions options{.pieces = 15, .solid = {.voxelSize = 1.0, .keepMesh = true}};
     options.surface.surface = Surface::exact;
-    const FractureResult result = fracture(joined(bodies), options, device());
+    const FractureResult result = fracture(shapes::joined(bodies), options, device());
     ASSERT_EQ(result.exactFailure, "");
     std::vector<double> volumes(bodies.size(), 0.0);
     std::vector<TriangleTree> trees;
