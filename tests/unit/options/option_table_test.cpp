@@ -30,6 +30,7 @@ RunOptions everything() {
   options.write.correspondences = 5;
   options.write.proxy = options.write.usd = true;
   options.write.density = 2.0;
+  options.fracture.surface.mismatch.rms = 0.25;
   return options;
 }
 
@@ -46,6 +47,7 @@ std::vector<std::string> valuesOf(const FractureOptionRow& row) {
   if (name == "grain") return {"1,0,0,0.5", "0,0,1,-0.5"};
   if (name == "grain-direction") return {"1,0,0"};
   if (name == "roughness") return {"1.5", "2,0.6", "0.7%", "0.8%,0.5", "1%,0.8,3%", "2,0.5,7"};
+  if (name == "mismatch" || name == "scan-noise") return {"0.1%", "0.2%,0.5", "0.3%,0.6,10%"};
   if (name == "propagation") return {"1,0,0,0.6", "0,-1,0.5,0.75"};
   if (name == "propagation-direction") return {"1,0,0"};
   if (name == "split-offset") return {"0.25", "0.5"};

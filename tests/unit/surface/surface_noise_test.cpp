@@ -174,7 +174,7 @@ TEST(SurfaceNoise, LabelsLevelSetsAndContactsStay) {
       EXPECT_EQ(a.contacts[k].area, b.contacts[k].area);
     }
     EXPECT_NE(a.mass.volume, b.mass.volume);
-    EXPECT_EQ(b.mass.volume, volume(b.mesh));
+    EXPECT_NEAR(b.mass.volume, volume(b.mesh), 1e-12);  // another sum of the same terms
   }
 }
 
