@@ -59,7 +59,7 @@ class Materials(CommandLine):
     def test_it_overrides_a_preset_in_what_both_set(self):
         for order in (("--preset", "paper", "--material", "stone"), ("--material", "stone", "--preset", "paper")):
             _, options = self.broke(*order)
-            self.assertEqual((options["grow"]["growth"], options["grow"]["roughness"]), ("sequential", "1.5%"))
+            self.assertEqual((options["grow"]["growth"], options["grow"]["roughness"]), ("sequential", "1%"))
             self.assertEqual((options["surface"]["of"], options["material"]), ("labels", "stone"))
 
     def test_options_of_a_file_override_it(self):
