@@ -41,18 +41,19 @@ sherd_room(sherd grow/splits
 sherd_room(sherd grow grow)
 sherd_room(sherd erode erode largest_part masks passes shape shell)
 sherd_room(sherd remesh
-  bodies boundary_loops collapse_log complex complex_faults face_edges face_ring flat_triangles independent_cracks manifold
+  bodies boundary_loops collapse_log complex complex_faults face_edges face_ring flat_triangles manifold
   region_edges seam_charts seam_cuts smooth)
 sherd_room(sherd remesh/decimate
   crack_overhang crossing_faces decimate edge_collapse facet_chains facet_polygon facets fan_crossings merge_facets
   simplified_cracks)
-sherd_room(sherd remesh/parts clean_meshes close_mesh fill_loops loose_bodies part_edges)
+sherd_room(sherd remesh/resample crack_jitter resample sampled_mesh surface_samples)
+sherd_room(sherd remesh/parts clean_meshes close_mesh fill_loops loose_bodies part_edges small_voids)
 sherd_room(sherd cut cut label_cells level_set nearest_label site_cut split_cut)
 sherd_room(sherd interface/cells
   cell cell_crossings cell_values cell_vertex contact_boundaries crease_point crease_vertices creases find_creases input_crossings
   leaf_cells quad_crossings)
 sherd_room(sherd interface
-  contacts cut_solid flat_input independent_mesh intact interface_mesh interface_surface non_manifold_vertices)
+  contacts cut_solid flat_input intact interface_mesh interface_surface non_manifold_vertices)
 sherd_room(sherd surface/exact
   body_clusters closed_solid cluster_solids crack_surface exact_by_cluster exact_meshes exact_surface kept_meshes labels_beyond
   layer patches settled_labels sheet_middles)

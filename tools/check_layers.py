@@ -20,7 +20,7 @@ DRAWING = ROOT / "docs" / "images" / "rooms.svg"
 
 ROOMS = ["base", "base/text", "base/files", "cl", "mesh", "mesh/search", "mesh/attributes", "mesh/repair", "intersect", "intersect/arrange", "clean",
          "voxelize/leaves", "voxelize/fill", "voxelize/bodies", "voxelize", "seed/draw", "seed", "grow/fields", "grow/sized", "grow/splits", "grow", "erode",
-         "remesh", "remesh/decimate", "remesh/parts", "cut", "interface/cells", "interface", "surface/exact", "surface", "points", "appearance", "pipeline",
+         "remesh", "remesh/decimate", "remesh/resample", "remesh/parts", "cut", "interface/cells", "interface", "surface/exact", "surface", "points", "appearance", "pipeline",
          "evaluate", "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/ply", "formats/obj", "formats/gltf", "formats/usd", "formats/geo",
          "formats/mesh_files", "formats/voxels", "formats/points", "formats/images", "options", "viewer", "folder/manifest", "folder/files", "folder/read",
          "folder", "dataset/store", "dataset/journal", "dataset/layouts", "dataset/report", "dataset", "assimp_program", "cli/terminal", "cli/arguments",

@@ -44,9 +44,9 @@ enum class Surface {
 enum class Interface {
   shared,  ///< one mesh of all fragments: both sides of a contact have the same vertices and faces,
            ///< bit for bit, also after smoothing and decimation
-  independent  ///< each fragment's level set is meshed separately, with the vertices of its cracks
-               ///< at other points: no vertex is a neighbor's to the bit, after smoothing and
-               ///< decimation neither
+  independent  ///< each fragment is meshed by random points of its own surface: no vertex is a
+               ///< neighbor's to the bit, after smoothing and decimation neither, and the grid of
+               ///< the voxels is not found in them
 };
 
 /// A number of iterations: `count`, and `perVoxel` times the solid's longest side in voxels,
@@ -252,7 +252,7 @@ struct ExtractOptions {
   std::shared_ptr<const IntactSurface>
       intact{};                   ///< of this solid, or null; affects only the speed
   ExactSurface* exact = nullptr;  ///< what Surface::exact is, which is taken; null: it is made
-  std::uint64_t seed = 0;         ///< where the vertices of Interface::independent's cracks are
+  std::uint64_t seed = 0;         ///< where the vertices of Interface::independent are
 };
 
 /// Cuts every fragment out of the solid.  A fragment's level set is max(solid, distance to the

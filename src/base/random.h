@@ -64,8 +64,10 @@ enum class Stage : std::uint64_t {
   spaceSurface = 86,
   spaceOffset = 87,
   pointContact = 88,
+  resampleFragment = 89,  // derives a seed per fragment, used by the next
+  resample = 90,
+  resampleSlide = 91,
   crackVertex = 92,
-  crackShift = 94,
   crackJitter = 95,
   mismatch = 103,  // derives a seed per fragment; 0: of both sides
   scanNoise = 104,

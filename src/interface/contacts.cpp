@@ -17,9 +17,7 @@ namespace {
 
 // The most frequent label other than 0 and `own` of the eight voxels around an index position; the
 // lowest of equals, 0 if there is none.
-//   among  ascending: only one of these; or null
-std::uint16_t majorityLabelAround(const glm::dvec3& p, std::uint16_t own, LabelReader& labels,
-                                  const std::vector<std::uint16_t>* among) {
+std::uint16_t majorityLabelAround(const glm::dvec3& p, std::uint16_t own, LabelReader& labels) {
   std::array<std::uint16_t, 8> found{};
   const openvdb::Coord base(static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)),
                             static_cast<int>(std::floor(p.z)));
@@ -33,10 +31,8 @@ std::uint16_t majorityLabelAround(const glm::dvec3& p, std::uint16_t own, LabelR
   for (const std::uint16_t label : found) {
     const std::ptrdiff_t count = std::count(found.begin(), found.end(), label);
     if (label == 0 || label == own || count <= most) continue;
-    if (among == nullptr || std::binary_search(among->begin(), among->end(), label)) {
-      best = label;
-      most = count;
-    }
+    best = label;
+    most = count;
   }
   return best;
 }
@@ -107,16 +103,6 @@ std::vector<std::vector<Contact>> contactsOf(std::size_t fragments, const Contac
 
 }  // namespace
 
-TouchingFragments touchingFragments(std::size_t fragments, const ContactSums& voxels) {
-  TouchingFragments touching(fragments + 1);
-  for (const auto& [pair, sum] : voxels) {
-    touching[pair.first].push_back(pair.second);
-    touching[pair.second].push_back(pair.first);
-  }
-  for (std::vector<std::uint16_t>& own : touching) std::sort(own.begin(), own.end());
-  return touching;
-}
-
 std::uint16_t NeighborSearch::across(const std::array<glm::dvec3, 3>& corners,
                                      std::uint16_t fragment) {
   const auto& [a, b, c] = corners;
@@ -124,27 +110,16 @@ std::uint16_t NeighborSearch::across(const std::array<glm::dvec3, 3>& corners,
   const double length = glm::length(normal);
   const glm::dvec3 center = frame_.indexFromWorld((a + b + c) / 3.0);
   const glm::dvec3 outwards = length > 0 ? normal / length : glm::dvec3(0.0);
-  if (touching_ != nullptr) {
-    const std::uint16_t found = find(center, outwards, fragment, &(*touching_)[fragment]);
-    if (found != 0) return found;
-  }
-  return find(center, outwards, fragment, nullptr);
-}
-
-std::uint16_t NeighborSearch::find(const glm::dvec3& center, const glm::dvec3& outwards,
-                                   std::uint16_t fragment,
-                                   const std::vector<std::uint16_t>* among) {
   // Voxels off the face belong to the neighbor.  At a boundary or in a narrow wedge there may be
   // none at that distance, so others are tried.
   for (const double away : {0.75, 0.25, 1.5}) {
-    const std::uint16_t found =
-        majorityLabelAround(center + away * outwards, fragment, reader_, among);
+    const std::uint16_t found = majorityLabelAround(center + away * outwards, fragment, reader_);
     if (found != 0) return found;
   }
   for (double away = 2.5; eroded_ && away < kMaxErosionDepth; away += 1.0) {
     const glm::dvec3 at = center + away * outwards;
     if (reader_.at(nearestVoxel(at)) == 0) break;  // outside the solid: original surface
-    const std::uint16_t found = majorityLabelAround(at, fragment, reader_, among);
+    const std::uint16_t found = majorityLabelAround(at, fragment, reader_);
     if (found != 0) return found;
   }
   return 0;
@@ -152,10 +127,9 @@ std::uint16_t NeighborSearch::find(const glm::dvec3& center, const glm::dvec3& o
 
 std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh, const std::vector<bool>& original,
                                        std::uint16_t fragment, const Solid& solid,
-                                       const Labels& labels, bool eroded,
-                                       const TouchingFragments* touching) {
+                                       const Labels& labels, bool eroded) {
   std::vector<std::uint16_t> neighbor(mesh.triangles.size(), 0);
-  NeighborSearch search(solid, labels, eroded, touching);
+  NeighborSearch search(solid, labels, eroded);
   for (std::size_t t = 0; t < neighbor.size(); ++t) {
     if (original[t]) continue;
     const glm::uvec3& corner = mesh.triangles[t];

@@ -20,9 +20,6 @@ namespace sherd {
 /// How far a neighbor is searched through eroded voxels, voxels.
 inline constexpr int kMaxErosionDepth = 64;
 
-/// [fragments + 1] ids of the fragments whose voxels share a face with those of each, ascending.
-using TouchingFragments = std::vector<std::vector<std::uint16_t>>;
-
 /// Sums over the faces between a pair of fragments.
 struct ContactSum {
   double area = 0.0;
@@ -47,33 +44,22 @@ using ContactSums = std::map<std::pair<std::uint16_t, std::uint16_t>, ContactSum
 [[nodiscard]] ContactSums voxelContacts(const Solid& solid, const Labels& labels, const Cut& cut,
                                         std::span<const LeafNeighbors> neighborhoods);
 
-/// Returns the fragments in contact.
-[[nodiscard]] TouchingFragments touchingFragments(std::size_t fragments, const ContactSums& voxels);
-
 /// Finds the fragments on the other side of fracture faces.
 class NeighborSearch {
  public:
-  ///   labels    before erosion
-  ///   eroded    true if faces may have receded up to kMaxErosionDepth voxels from their neighbors
-  ///   touching  kept by reference: where there is one of these near a face it is that, not a
-  ///             fragment whose voxels share an edge only; or null
-  NeighborSearch(const Solid& solid, const Labels& labels, bool eroded,
-                 const TouchingFragments* touching = nullptr)
-      : frame_(solid.frame), reader_(*solid.blocks, labels), eroded_(eroded), touching_(touching) {}
+  ///   labels  before erosion
+  ///   eroded  true if faces may have receded up to kMaxErosionDepth voxels from their neighbors
+  NeighborSearch(const Solid& solid, const Labels& labels, bool eroded)
+      : frame_(solid.frame), reader_(*solid.blocks, labels), eroded_(eroded) {}
 
   /// Returns the fragment on the other side of a fragment's face, 0 if there is none.
   [[nodiscard]] std::uint16_t across(const std::array<glm::dvec3, 3>& corners,
                                      std::uint16_t fragment);
 
  private:
-  // Any label other than the fragment's, or one of `among` only.
-  std::uint16_t find(const glm::dvec3& center, const glm::dvec3& outwards, std::uint16_t fragment,
-                     const std::vector<std::uint16_t>* among);
-
   GridFrame frame_;
   LabelReader reader_;
   bool eroded_;
-  const TouchingFragments* touching_;
 };
 
 /// Returns for each triangle of a fragment's mesh the fragment on its other side, 0 on the original
@@ -81,12 +67,10 @@ class NeighborSearch {
 ///   original  [triangles] true on the solid's surface
 ///   labels    before erosion
 ///   eroded    as of NeighborSearch
-///   touching  likewise
 [[nodiscard]] std::vector<std::uint16_t> neighborsOf(const TriangleMesh& mesh,
                                                      const std::vector<bool>& original,
                                                      std::uint16_t fragment, const Solid& solid,
-                                                     const Labels& labels, bool eroded,
-                                                     const TouchingFragments* touching = nullptr);
+                                                     const Labels& labels, bool eroded);
 
 /// The contacts of all fragments.  Fragments are in contact if their voxels share a face, or if the
 /// surfaces do where they are joined by less than a voxel; area, normal and centroid come from the

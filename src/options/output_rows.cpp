@@ -364,9 +364,11 @@ const Row kSurfaceRows[]{
     {.name = "interface",
      .group = "Surface",
      .value = V::choice(kSurface, &SurfaceOptions::interface, names::kInterface),
-     .help = "Surfaces between fragments: shared bit for bit, or each fragment meshed separately",
+     .help = "Surfaces between fragments: shared bit for bit, or each fragment meshed by random "
+             "points of its own surface",
      .details = "two fragments share the vertices and faces between them, bit for bit; or "
-                "each level set is meshed separately, and no vertex is a neighbor's ([decision "
+                "each fragment is meshed by random points of its own surface: no vertex is a "
+                "neighbor's, and the grid of the voxels is not found in them ([decision "
                 "0010](decisions/0010-one-mesh-of-all-labels.md))",
      .key = "surface.interface",
      .drawn = true},

@@ -17,9 +17,10 @@
 #include "cut/level_set.h"
 #include "grow/fields/check_labels.h"
 #include "grow/fields/label_slices.h"
-#include "interface/independent_mesh.h"
 #include "remesh/decimate/decimate.h"
-#include "remesh/independent_cracks.h"
+#include "remesh/parts/small_voids.h"
+#include "remesh/resample/crack_jitter.h"
+#include "remesh/resample/resample.h"
 #include "remesh/seam_charts.h"
 #include "remesh/seam_cuts.h"
 #include "remesh/smooth.h"
@@ -92,12 +93,10 @@ std::vector<bool> onSolid(const LabeledMesh& mesh) {
   return original;
 }
 
-// With independent interfaces each fragment is meshed alone, with the leaves around it.  Exact
-// surfaces have a cut of their own, labels need none.
+// Exact surfaces have a cut of their own, labels need none.
 CutExtent extentFor(const SurfaceOptions& surface) {
   if (surface.levelSets) return CutExtent::everywhere;
-  if (surface.surface != Surface::smooth) return CutExtent::none;
-  return surface.interface == Interface::independent ? CutExtent::everywhere : CutExtent::cells;
+  return surface.surface == Surface::smooth ? CutExtent::cells : CutExtent::none;
 }
 
 SurfaceOptions decidedSurface(const Solid& solid, const ExtractOptions& options,
@@ -150,13 +149,12 @@ void Extraction::cutAnew() {
 void Extraction::makeSmooth() {
   cut_->findCreases(solid_, progress_);
   simplification_ = simplificationOf(surface_, solid_, intact_.get());
-  if (!isShared()) {
-    voxelContacts_ = voxelContactsOf();
-    touching_ = touchingFragments(count_, voxelContacts_);
-    return;
-  }
   auto shared = std::make_shared<const FragmentSurfaces>(solid_, labels_, uneroded_, cut_,
                                                          SurfaceVertices::all, progress_);
+  if (!isShared()) {
+    resampled_ = std::move(shared);
+    return;
+  }
   const bool isProcessed = simplification_.changesMeshes() || !surface_.triangles.empty() ||
                            movesAnything(surface_.smooth, solid_.box.longestSide()) ||
                            noise_.isAny() || !smooth_.empty();
@@ -275,19 +273,18 @@ void Extraction::meshIndependent(Fragment& fragment) const {
   const Labels& before = uneroded_ ? *uneroded_ : labels_;
   const FragmentKey key{seed_, id};
   if (surface_.surface == Surface::labels) {
-    fragment.mesh = meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame);
+    fragment.mesh =
+        smoothed(meshOfFaces(facesOf(solid_, labels_, before, id, leaves), solid_.frame),
+                 surface_.smooth, solid_.box.longestSide(), progress_);
   } else {
-    LabeledMesh meshed = meshOfOne(solid_, labels_, cut_->cut(), cut_->creases(), id, leaves);
-    meshed.mesh.neighbor = neighborsOf(meshed.mesh, onSolid(meshed), id, solid_, before,
-                                       uneroded_ != nullptr, &touching_);
-    partKinds(meshed, id - std::size_t{1});
-    slideCracks(meshed, solid_.frame, key);
+    LabeledMesh meshed =
+        withoutSmallVoids(smoothMesh(*resampled_, id - std::size_t{1}), solid_.frame.voxelSize);
+    meshed.mesh =
+        smoothed(std::move(meshed.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
+    fragment.mesh = resampled(meshed, solid_.frame, key);
     // Planes are merged first: they would no longer be planes.
-    if (!simplification_.changesMeshes()) jitterCracks(meshed.mesh, solid_.frame, key);
-    fragment.mesh = std::move(meshed.mesh);
+    if (!simplification_.changesMeshes()) jitterCracks(fragment.mesh, solid_.frame, key);
   }
-  fragment.mesh =
-      smoothed(std::move(fragment.mesh), surface_.smooth, solid_.box.longestSide(), progress_);
   if (surface_.surface == Surface::smooth) cutSeams(fragment);
   std::vector<std::uint32_t> charts;
   const bool isSimplified = simplification_.changesMeshes() || !surface_.triangles.empty();
@@ -378,7 +375,7 @@ ContactSums Extraction::voxelContactsOf() const {
 std::vector<std::vector<Contact>> Extraction::contacts() const {
   std::vector<std::vector<Contact>> all =
       surfaces_ ? surfaces_->contacts(solid_, uneroded_ ? *uneroded_ : labels_)
-                : measure_.contacts(count_, touching_.empty() ? voxelContactsOf() : voxelContacts_);
+                : measure_.contacts(count_, voxelContactsOf());
   checkFinite(all);
   return all;
 }

@@ -90,10 +90,9 @@ class Extraction {
   std::vector<std::vector<std::uint32_t>> leaves_;    ///< [fragments + 1] ascending
   std::shared_ptr<const FragmentSurfaces> surfaces_;  ///< if meshes are shared, not processed
   std::shared_ptr<const FragmentSurfaces> unmerged_;
-  Processed processed_;            ///< if meshes are processed, or exact
-  ContactSums voxelContacts_;      ///< if fragments are meshed independently
-  TouchingFragments touching_;     ///< likewise
-  std::vector<Surface> meshedAs_;  ///< [fragments]
+  std::shared_ptr<const FragmentSurfaces> resampled_;  ///< if fragments are meshed independently
+  Processed processed_;                                ///< if meshes are processed, or exact
+  std::vector<Surface> meshedAs_;                      ///< [fragments]
   std::string exactFailure_;
   std::vector<SmoothBodies> smooth_;
   UnitedBodies united_;

@@ -265,7 +265,7 @@ CHAPTERS = [
               "--pieces 6 --seed 3 --resolution 64", [
                   ("smooth", "--surface smooth", "the default: the original surface and smooth cracks, one mesh of all "
                    "fragments"),
-                  ("independent", "--interface independent", "each fragment meshed separately"),
+                  ("independent", "--interface independent", "each fragment meshed by random points of its surface"),
                   ("labels", "--surface labels", "voxel faces"),
                   ("paper", "--preset paper", "the paper's options: labels, smoothed")]),
         Group("exact", "--surface exact", "The outside of a mesh with sharp edges.", "gear.obj", "--pieces 7 --seed 2 --resolution 64 --roughness 1", [

@@ -19,7 +19,8 @@
 #include "interface/interface_mesh.h"
 #include "kernels/device_fixture.h"
 #include "mesh_checks.h"
-#include "remesh/independent_cracks.h"
+#include "remesh/resample/crack_jitter.h"
+#include "remesh/resample/resample.h"
 #include "shapes.h"
 #include "voxelize/distance.h"
 #include "voxelize/leaves/leaf_blocks.h"
@@ -467,7 +468,7 @@ TEST_F(InterfaceOfFracture, PointsLieInOneFragmentOnly) {
     options.surface.interface = Interface::independent;
     const Depths independent = depthsOf(fracture(mesh, options, device()));
     EXPECT_GT(independent.onCracks, 500u);
-    EXPECT_LT(independent.apart, 0.1);
+    EXPECT_LT(independent.apart, kMostResampled + 0.05);
   }
 }
 
