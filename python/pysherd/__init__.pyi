@@ -269,7 +269,7 @@ def fracture(
     erode_planes: bool | None = False,
     erode_threshold: float | None = 1,
     erode_probability: float | None = 1,
-    erode_on: Literal["fracture", "all"] | None = "fracture",
+    erode_on: Literal["fracture", "all", "rims"] | None = "fracture",
     erode_islands: Literal["erode", "keep"] | None = "erode",
     drop_share: float | None = 0,
     missing: float | None = 0,
@@ -305,6 +305,9 @@ def fracture(
     smooth_weight: float | None = 0.5,
     smooth_boundary_iterations: float | str | os.PathLike[str] | Sequence[Any] | None = 0,
     smooth_boundary_weight: float | None = 0.5,
+    mismatch: float | str | os.PathLike[str] | Sequence[Any] | None = "0%",
+    mismatch_common: float | None = 0,
+    scan_noise: float | str | os.PathLike[str] | Sequence[Any] | None = "0%",
     triangles: int | str | Sequence[int] | None = None,
 ) -> Fracture: ...
 def load(folder: _Path) -> Fracture: ...

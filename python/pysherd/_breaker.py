@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from functools import partial
 from typing import Any, Callable, Iterator
 
 from . import _layouts
@@ -30,6 +32,8 @@ class Breaker:
         A key of `LAYOUTS` or `VOXEL_LAYOUTS`.
     points : int, optional
         Points of an item or of a fragment; by default the layout's.
+    objects : pair
+        The fewest and the most objects of an item.
     cache_bytes : int
         Memory of the solids that are kept.
     skips : bool
@@ -38,14 +42,15 @@ class Breaker:
         Attempts that count as one visit of every mesh.
     """
 
-    def __init__(self, meshes: list[Mesh], options: Drawn, layout: str, points: int | None, cache_bytes: int, device: str, skips: bool,
-                 cycle: int) -> None:  # fmt: skip
+    def __init__(self, meshes: list[Mesh], options: Drawn, layout: str, points: int | None, objects: tuple[int, int], cache_bytes: int,
+                 device: str, skips: bool, cycle: int) -> None:  # fmt: skip
         self.layout = layout
         self._layout = _layouts.LAYOUTS.get(layout)
         self._voxels = VOXEL_LAYOUTS.get(layout)
         self.points = points or (self._layout.points if self._layout else 0)
         self.skipped: dict[str, int] = {}
         self._options, self._meshes, self._device, self._skips, self._cycle = options, meshes, device, skips, cycle
+        self.objects = objects
         self._check()
         self.solids = Solids(meshes, options.of_solids, cache_bytes, device)
         self._failed: set[int] = set()
@@ -58,16 +63,19 @@ class Breaker:
     def _check(self) -> None:
         low, high = self._options.pieces
         if self._layout is None:
+            if self.objects[1] > 1:
+                raise UsageError(f"objects: layout {self.layout} has the voxels of one object")
             if self.points:
                 raise UsageError(f"points: layout {self.layout} has voxels and no points")
             if self.layout == "completion" and low < 2:
                 raise UsageError("pieces: layout completion takes one of 2 fragments or more away")
             return self._check_solids()
-        most, least = self._most, self._layout.least
-        if most and not 2 <= low <= high <= most:
-            raise UsageError(f"pieces: layout {self.layout} holds 2 to {most} fragments, not {low if low < 2 else high}")
-        if self._layout.counts is not _layouts.equal_counts and self.points < most * least:
-            raise UsageError(f"points: layout {self.layout} needs at least {most * least}, {least} for each of {most} fragments")
+        most, least, objects = self._most, self._layout.least, self.objects[1]
+        if most and not 2 <= low <= high * objects <= most:
+            of = f" of {objects} objects" if objects > 1 else ""
+            raise UsageError(f"pieces: layout {self.layout} holds 2 to {most} fragments, not {low if low < 2 else high}{of}")
+        if self._layout.counts is not _layouts.equal_counts and self.points < most * least * objects:
+            raise UsageError(f"points: layout {self.layout} needs at least {most * least * objects}, {least} for each of {most} fragments")
         self._check_solids()
 
     @property
@@ -90,7 +98,7 @@ class Breaker:
         Error
             A mesh cannot be broken, and none is left out, or too many were in a row.
         """
-        return self._first(slots, self._sampled)
+        return self._first(slots, self._sampled)  # type: ignore[no-any-return]
 
     def fracture(self, slots: Iterator[Slot]) -> Fracture:
         """Returns the first fracture that can be used, as `item`."""
@@ -117,15 +125,33 @@ class Breaker:
         return next(break_solid(core, texts, [(pieces, slot.seed)], self._device, None))
 
     def _sampled(self, slot: Slot, f: Fracture) -> dict[str, Any]:
-        named: dict[str, Any] = {
-            "number": slot.number, "mesh": slot.mesh, "seed": slot.seed, "name": f"{self._meshes[slot.mesh].key}/fractured_{slot.number}",
-            "random": generator(hashed("pose", slot.seed)),
-        }  # fmt: skip
         if self._layout is None:
             assert self._voxels is not None
-            return self._voxels.make(volume_of(f, self._options.side, **named))
+            return self._voxels.make(volume_of(f, self._options.side, **self._named(slot)))
+        low, high = self.objects
+        count = low + hashed("objects", slot.seed) % (high - low + 1)
+        samples = [self._sample(slot, f, 0, count)]
+        samples += [self._first(self._others(slot, k), partial(self._sample, which=k, objects=count)) for k in range(1, count)]
+        return self._layout.make(samples[0] if count == 1 else _layouts.sample_of_several(samples))
+
+    def _sample(self, slot: Slot, f: Fracture, which: int, objects: int) -> _layouts.Sample:
+        """Samples one of the objects of an item, which has its part of the points."""
+        assert self._layout is not None
+        points = self.points
+        if self._layout.counts is not _layouts.equal_counts:
+            points = points // objects + (which < points % objects)
         box = self.solids[slot.mesh].surface_box
-        return self._layout.make(_layouts.sample_of(f, self._layout, self.points, self._options.of_points, box, **named))
+        return _layouts.sample_of(f, self._layout, points, self._options.of_points, box, **self._named(slot))
+
+    def _others(self, slot: Slot, which: int) -> Iterator[Slot]:
+        """Yields the fracture that is another object of an item, and others in its place."""
+        for attempt in itertools.count():
+            mesh = hashed("object mesh", slot.seed, which, attempt) % len(self._meshes)
+            yield Slot(slot.number, mesh, hashed("object", slot.seed, which, attempt))
+
+    def _named(self, slot: Slot) -> dict[str, Any]:
+        return {"number": slot.number, "mesh": slot.mesh, "seed": slot.seed, "name": f"{self._meshes[slot.mesh].key}/fractured_{slot.number}",
+                "random": generator(hashed("pose", slot.seed))}  # fmt: skip
 
     def _tried(self, slot: Slot, made: Callable[[Slot, Fracture], Any]) -> Any:
         """Returns what is made of a fracture; None if it is left out."""

@@ -40,6 +40,8 @@ class Sample(NamedTuple):
     mesh: int
     seed: int
     random: np.random.Generator
+    object: Array
+    """(fragments,) int64, which object of the item each fragment is of, from 0"""
 
 
 class Layout(NamedTuple):
@@ -118,7 +120,27 @@ def sample_of(f: Fracture, layout: Layout, points: int, texts: list[tuple[str, s
     graph = np.zeros((most, most), bool)
     graph[pairs[:, 0], pairs[:, 1]] = graph[pairs[:, 1], pairs[:, 0]] = True
     return Sample(np.split((positions - center) / size, ends), np.split(normals, ends), np.split(neighbor.astype(np.int64), ends),
-                  areas / size**2, graph, center, size, **named)  # fmt: skip
+                  areas / size**2, graph, center, size, object=np.zeros(len(f), np.int64), **named)  # fmt: skip
+
+
+_APART = 1.5  # of objects of an item, along x; each has a box of side 1
+
+
+def sample_of_several(samples: list[Sample]) -> Sample:
+    """Puts objects side by side along x, the first around 0, as one sample, whose name has all their names."""
+    first = samples[0]
+    starts = np.cumsum([0] + [len(sample.positions) for sample in samples])
+    graph = np.zeros((max(len(first.graph), starts[-1]),) * 2, bool)
+    for sample, start in zip(samples, starts):
+        own = len(sample.positions)
+        graph[start : start + own, start : start + own] = sample.graph[:own, :own]
+    return first._replace(
+        positions=[p + (_APART * k, 0, 0) for k, sample in enumerate(samples) for p in sample.positions],
+        normals=[n for sample in samples for n in sample.normals],
+        neighbor=[np.where(n > 0, n + start, 0) for sample, start in zip(samples, starts) for n in sample.neighbor],
+        areas=np.concatenate([sample.areas for sample in samples]), graph=graph, name=";".join(sample.name for sample in samples),
+        object=np.repeat(np.arange(len(samples)), np.diff(starts)),
+    )  # fmt: skip
 
 
 # --- poses
@@ -189,14 +211,15 @@ def points_item(sample: Sample) -> Item:
     counts = [len(p) for p in sample.positions]
     return {
         "positions": _joined(sample.positions), "normals": _joined(sample.normals), "neighbor": _joined(sample.neighbor, np.int64),
-        "fragment": np.repeat(np.arange(1, len(counts) + 1), counts), "fragments": len(counts), **_own(sample),
+        "fragment": np.repeat(np.arange(1, len(counts) + 1), counts), "fragments": len(counts),
+        "object": np.repeat(sample.object, counts), **_own(sample),
     }  # fmt: skip
 
 
 def fragments_item(sample: Sample) -> Item:
     return {
         "positions": np.stack(sample.positions).astype(np.float32), "normals": np.stack(sample.normals).astype(np.float32),
-        "neighbor": np.stack(sample.neighbor), "fragments": len(sample.positions), **_own(sample),
+        "neighbor": np.stack(sample.neighbor), "fragments": len(sample.positions), "object": sample.object, **_own(sample),
     }  # fmt: skip
 
 

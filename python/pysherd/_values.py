@@ -6,6 +6,7 @@ import itertools
 import numbers
 import operator
 import os
+import re
 from typing import Any, Iterable, Mapping
 
 from ._errors import Error, UsageError
@@ -52,6 +53,17 @@ def flag(name: str, value: Any) -> bool:
     if not isinstance(value, int) or value not in (0, 1):
         raise UsageError(f"{name}: {shown(value)} is not True or False")
     return bool(value)
+
+
+def whole_range(name: str, value: Any, low: int, high: int) -> tuple[int, int]:
+    """Returns the ends of a range such as ``"2..5"``, or a whole number twice, or raises `UsageError`."""
+    if isinstance(value, str):
+        found = re.fullmatch(r"(\d{1,9})\.\.(\d{1,9})", value, re.ASCII)
+        if found and low <= int(found[1]) <= int(found[2]) <= high:
+            return int(found[1]), int(found[2])
+        raise UsageError(f"{name}: {shown(value)} is not a range such as '2..5' in {low}..{high}")
+    number = whole(name, value, low, high)
+    return number, number
 
 
 def word(name: str, value: Any, words: Iterable[str]) -> str:

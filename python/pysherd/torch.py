@@ -35,7 +35,7 @@ from ._options import ROWS, documented_text
 from ._order import Order, Share, given_ranks, items_of_rank, share_of
 from ._solid import DEVICE, checked_device
 from ._splits import SPLITS, meshes_of_split, ratio_of
-from ._values import flag, shown, whole, word
+from ._values import flag, shown, whole, whole_range, word
 from ._voxel_layouts import VOXEL_LAYOUTS
 
 __all__ = ["FractureDataset", "collate", "collate_fragments"]
@@ -43,6 +43,7 @@ __all__ = ["FractureDataset", "collate", "collate_fragments"]
 _EPOCH, _IN_WORKERS = 0, 1  # positions in the tensor that workers share
 _PLACE = ("epoch", "position", "stream", "streams")  # in a state
 _MOST_NUMBER = 2**63 - 1  # of an item or an epoch: tensors of int64 hold them
+_MOST_OBJECTS = 1000
 _MOST_POINTS = int(ROWS["points"].range.split("..")[1])
 
 
@@ -69,8 +70,11 @@ class FractureDataset(IterableDataset[Any]):
     items : int, optional
         Items of an epoch in all processes; each rank has ``items // world_size``, at least 1.  They have the numbers 0 to ``items - 1``, less
         what the ranks do not divide, whatever the processes.  By default the stream is endless.
+    objects : int or str
+        Objects of an item, such as ``"2..5"``: a collection of fragments of several objects, drawn among the meshes and set up side by side
+        along x, 1.5 apart.  `object` says which one each fragment (each point of ``"points"``) is of, in our own layouts; `fracture` has the first.
     split : str, optional
-        ``"train"``, ``"val"`` or ``"test"``: only the meshes of this part, the same as ``sherd dataset --split`` has in it.  With
+        ``"train"``, ``"val"`` or ``"test"``: only the meshes of this part, the same as ``sherd dataset`` puts there.  With
         `items` given, and `set_epoch` not called, those of ``"val"`` are the same each time.
     splits : str
         The ratio of the three parts.
@@ -119,6 +123,7 @@ class FractureDataset(IterableDataset[Any]):
         layout: str = "points",
         points: int | None = None,
         items: int | None = None,
+        objects: int | str = 1,
         split: str | None = None,
         splits: str = "80/10/10",
         transform: Callable[[dict[str, Any]], Any] | None = None,
@@ -151,7 +156,7 @@ class FractureDataset(IterableDataset[Any]):
         self._order = Order(len(meshes), whole("seed", seed, 0, 2**64 - 1), whole("repeats", repeats, 1, 2**32), whole("mix", mix, 1, 2**32),
                             flag("shuffle", shuffle))  # fmt: skip
         self._breaker = Breaker(meshes, self._options, layout, None if points is None else whole("points", points, 1, _MOST_POINTS),
-                                whole("cache_bytes", cache_bytes, 0, _MOST_NUMBER), checked_device(device), on_error == "skip",
+                                whole_range("objects", objects, 1, _MOST_OBJECTS), whole("cache_bytes", cache_bytes, 0, _MOST_NUMBER), checked_device(device), on_error == "skip",
                                 self._order.repeats * (self._order.mix + len(meshes)))  # fmt: skip
         self._meshes = meshes
         self._shared = torch.zeros(2, dtype=torch.int64).share_memory_()
@@ -234,7 +239,7 @@ class FractureDataset(IterableDataset[Any]):
     @functools.cached_property
     def _identity(self) -> str:
         """Of what the stream depends on; of files, this is their paths."""
-        parts = [self._order, self._options, self._breaker.layout, self._breaker.points, self._items, *(mesh.identity for mesh in self._meshes)]
+        parts = [self._order, self._options, self._breaker.layout, self._breaker.points, self._breaker.objects, self._items, *(mesh.identity for mesh in self._meshes)]
         return hashlib.blake2b("\n".join(map(repr, parts)).encode(), digest_size=8).hexdigest()
 
     def _state(self, epoch: int, share: Share, position: int) -> dict[str, Any]:
