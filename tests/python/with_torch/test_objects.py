@@ -15,7 +15,7 @@ def stream(layout="fragments", objects="2..4", meshes=(*CUBES, AMPHORA), items=6
 
 def test_fragments_are_of_objects_side_by_side():
     counts = set()
-    for item in stream():
+    for item in stream(items=16):
         object_ = item["object"]
         assert item["fragments"] == len(object_) == len(item["positions"]) and (np.diff(object_) >= 0).all()
         assert len(item["name"].split(";")) == object_.max() + 1 == len(set(object_))
