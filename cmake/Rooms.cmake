@@ -63,7 +63,7 @@ sherd_room(sherd points
 sherd_room(sherd appearance exact_transfer source_faces transfer weights)
 sherd_room(sherd pipeline
   deciding fracture fracture_stages guide_surfaces materials memory_estimate presets refracture refracture_islands
-  refracture_meshes)
+  refracture_meshes withheld)
 sherd_room(sherd evaluate
   assembly convexity crack_faces crack_roughness distance_neighbors evaluate fit fragment_shape heights mesh_quality
   parting_splits planar_areas published_figures size_fits statistics summary)

@@ -363,7 +363,8 @@ const Row kWithheldRows[]{
      .help = "Withhold further fragments at random: a number, or below 1 a share of them; the "
              "manifest lists them",
      .details = "withhold this number (from 1) or share (below 1) of the remaining fragments: in "
-                "the manifest's `withheld`, not in the files",
+                "the manifest's `withheld`, not in the files. Each that is kept touches another "
+                "one that is, unless that cannot be, as where one is kept or bodies do not touch",
      .key = "missing",
      .drawn = true},
 };

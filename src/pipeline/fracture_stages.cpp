@@ -7,15 +7,18 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <numeric>
 #include <utility>
 
 #include "base/random.h"
 #include "erode/passes.h"
+#include "grow/sized/crack_areas.h"
 #include "grow/sized/raise_small.h"
 #include "grow/splits/guide_sides.h"
 #include "grow/splits/sequential.h"
 #include "pipeline/deciding.h"
 #include "pipeline/guide_surfaces.h"
+#include "pipeline/withheld.h"
 #include "remesh/smooth.h"
 #include "seed/draw/distinct_middles.h"
 #include "seed/draw/wall.h"
@@ -76,6 +79,17 @@ void renumber(Labels& labels, const std::vector<std::uint16_t>& newIds) {
   }
 }
 
+// Gives new ids, [fragments + 1] of the old ones, to all that has them.
+void renumberAll(GrownFracture& grown, const std::vector<std::uint16_t>& newIds) {
+  FractureResult& result = grown.result;
+  renumber(result.labels, newIds);
+  if (grown.uneroded) renumber(*grown.uneroded, newIds);
+  for (Seed& seed : result.seeds) seed.fragment = newIds[seed.fragment];
+  std::vector<std::uint64_t> eroded(result.eroded.size());
+  for (std::size_t id = 0; id < eroded.size(); ++id) eroded[newIds[id]] = result.eroded[id];
+  result.eroded = std::move(eroded);
+}
+
 // Gives the last ids to fragments below `dropShare` of the solid; returns their number.
 std::size_t dropSmall(GrownFracture& grown, double dropShare) {
   if (!(dropShare >= 0.0 && dropShare <= 1.0)) {
@@ -92,13 +106,26 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
                                       " fragments is too small to be kept; lower the share below "
                                       "which they are dropped");
   }
-  renumber(result.labels, newIds);
-  if (grown.uneroded) renumber(*grown.uneroded, newIds);
-  for (Seed& seed : result.seeds) seed.fragment = newIds[seed.fragment];
-  std::vector<std::uint64_t> eroded(result.eroded.size());
-  for (std::size_t id = 0; id < eroded.size(); ++id) eroded[newIds[id]] = result.eroded[id];
-  result.eroded = std::move(eroded);
+  renumberAll(grown, newIds);
   return small;
+}
+
+// Gives the last ids of the first `fragments` to those that are withheld by their contacts, and
+// those that are kept random ones, so that ids do not depend on contacts.
+void withhold(GrownFracture& grown, std::size_t fragments, std::size_t count) {
+  const Labels& labels = grown.uneroded ? *grown.uneroded : grown.result.labels;
+  const std::vector<bool> isWithheld = withheldByContacts(fragments, count, crackAreas(labels));
+  const auto kept = isWithheld.begin() + static_cast<std::ptrdiff_t>(fragments - count + 1);
+  if (std::find(isWithheld.begin() + 1, kept, true) == kept) return;  // the last ones
+  std::vector<std::uint16_t> newIds(static_cast<std::size_t>(labels.fragmentCount) + 1);
+  std::iota(newIds.begin(), newIds.end(), std::uint16_t{0});
+  const std::vector<std::uint16_t> keptIds = permutedIds(
+      fragments - count, randomBits(grown.seed, Stage::fragmentId, std::uint64_t{1} << 32));
+  std::size_t next = 0;
+  auto last = static_cast<std::uint16_t>(fragments - count);
+  for (std::size_t id = 1; id <= fragments; ++id)
+    newIds[id] = isWithheld[id] ? ++last : keptIds[next++];
+  renumberAll(grown, newIds);
 }
 
 }  // namespace
@@ -379,7 +406,9 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
                     ? leastVoxelsOf(result.solid.voxels, fragments)
                     : leastVoxels(options.shares, result.solid.voxels);
   const std::size_t small = dropSmall(grown, options.dropShare);
-  result.withheld = small + withheldCount(options.missing, fragments - small);
+  const std::size_t missing = withheldCount(options.missing, fragments - small);
+  if (missing > 0) withhold(grown, fragments - small, missing);
+  result.withheld = small + missing;
   result.times = clock.times();
 }
 
