@@ -17,6 +17,7 @@
 #include "cut/level_set.h"
 #include "grow/fields/check_labels.h"
 #include "grow/fields/label_slices.h"
+#include "intersect/self_crossings.h"
 #include "remesh/decimate/decimate.h"
 #include "remesh/parts/small_voids.h"
 #include "remesh/resample/crack_jitter.h"
@@ -84,6 +85,10 @@ void measureAreas(Fragment& fragment) {
   }
   fragment.area = twice / 2.0;
   fragment.fractureArea = twiceFractured / 2.0;
+}
+
+std::size_t crossingsOf(const TriangleMesh& mesh) {
+  return selfCrossings(mesh.vertices, mesh.triangles).size();
 }
 
 // [triangles] true on the solid's surface.
@@ -294,9 +299,12 @@ void Extraction::meshIndependent(Fragment& fragment) const {
     fragment.cutFaces.clear();
     LabeledMesh simple =
         std::move(simplified(complexOf(fragment.mesh, charts), simplification_, progress_).front());
-    fragment.mesh = std::move(simple.mesh);
-    charts = std::move(simple.chart);
+    jitterCracks(simple.mesh, solid_.frame, key);
     jitterCracks(fragment.mesh, solid_.frame, key);
+    if (crossingsOf(simple.mesh) <= crossingsOf(fragment.mesh)) {
+      fragment.mesh = std::move(simple.mesh);
+      charts = std::move(simple.chart);
+    }
   }
   fragment.coarse =
       std::move(decimated(complexOf(fragment.mesh, charts), surface_.triangles, progress_).front());

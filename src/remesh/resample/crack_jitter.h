@@ -12,7 +12,8 @@
 namespace sherd {
 
 /// Moves each vertex of the cracks' faces in a random direction by up to kCrackJitter, so that
-/// corners, which resampled() keeps, are not the neighbor's to the bit.
+/// corners, which resampled() keeps, are not the neighbor's to the bit; less where triangles would
+/// cross others.
 ///   mesh  with neighbors
 void jitterCracks(TriangleMesh& mesh, const GridFrame& frame, const FragmentKey& key);
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "intersect/self_crossings.h"
 #include "mesh/search/nearest_on_triangle.h"
 #include "remesh/resample/sampled_mesh.h"
 #include "remesh/resample/surface_samples.h"
@@ -67,15 +68,25 @@ glm::dvec3 unitOrZero(const glm::dvec3& v) {
 
 class Resampling {
  public:
-  Resampling(const LabeledMesh& mesh, const GridFrame& frame, std::uint64_t seed)
+  ///   kept  [vertices] those that stay, and all faces between them
+  Resampling(const LabeledMesh& mesh, const GridFrame& frame, std::uint64_t seed,
+             const std::vector<bool>& kept)
       : mesh_(verticesOf(mesh.mesh, frame), facesOf(mesh.mesh)),
         first_(static_cast<Index>(mesh.mesh.vertices.size())),
-        seed_(seed) {
+        seed_(seed),
+        kept_(kept) {
     markFeatures(mesh);
   }
 
   const SampledMesh& run() {
-    insert(surfaceSamples(mesh_, isCorner_, kSampleDistance, seed_));
+    std::vector<SurfaceSample> samples = surfaceSamples(mesh_, isCorner_, kSampleDistance, seed_);
+    std::erase_if(samples, [&](const SurfaceSample& sample) {
+      const auto& c = mesh_.faces()[sample.face].corner;
+      if (sample.edge < 0) return isKept(c[0]) && isKept(c[1]) && isKept(c[2]);
+      const auto k = static_cast<std::size_t>(sample.edge);
+      return isKept(c[k]) && isKept(c[(k + 1) % 3]);
+    });
+    insert(std::move(samples));
     for (const double tolerance : kTolerances) {
       tolerance_ = tolerance;
       for (Index v = 0; v < first_; ++v) {
@@ -131,7 +142,7 @@ class Resampling {
     }
     for (int i = 0; i < kPrunedEdges; ++i) pruneFeatures();
     isCorner_.reserve(first_);
-    for (Index v = 0; v < first_; ++v) isCorner_.push_back(isCorner(v));
+    for (Index v = 0; v < first_; ++v) isCorner_.push_back(isKept(v) || isCorner(v));
   }
 
   // Leaves out edges that end at a vertex without another.
@@ -385,6 +396,8 @@ class Resampling {
     return face.corner[static_cast<std::size_t>((face.indexOf(v) + 1) % 3)];
   }
 
+  bool isKept(Index v) const { return v < first_ && kept_[v]; }
+
   bool isSample(Index v) const { return v >= first_ || isCorner_[v]; }
 
   static double distanceToSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
@@ -407,6 +420,7 @@ class Resampling {
 
   bool isBetterFlipped(Index a, Index b) const {
     const SampledMesh::Sides sides = mesh_.sidesOf(a, b);
+    if (isKept(a) && isKept(b) && isKept(sides.leftApex) && isKept(sides.rightApex)) return false;
     const glm::dvec3 &pa = at(a), &pb = at(b), &pc = at(sides.leftApex), &pd = at(sides.rightApex);
     const double before = std::min(qualityOf(pa, pb, pc), qualityOf(pb, pa, pd));
     const double after = std::min(qualityOf(pc, pd, pb), qualityOf(pd, pc, pa));
@@ -427,6 +441,7 @@ class Resampling {
   SampledMesh mesh_;
   const Index first_;  // sample
   const std::uint64_t seed_;
+  const std::vector<bool>& kept_;
   double tolerance_ = 0.0;      // voxels
   std::vector<bool> isCorner_;  // [vertices that were there] where features end or meet
   std::vector<Spoke> ring_;
@@ -442,26 +457,74 @@ glm::dvec3 inVoxels(const GridFrame& frame, const glm::dvec3& world) {
   return kGrid * glm::floor(frame.indexFromWorld(world) / kGrid + kOffset);
 }
 
-TriangleMesh resampled(const LabeledMesh& mesh, const GridFrame& frame, const FragmentKey& key) {
-  Resampling resampling(mesh, frame, randomBits(key.seed, Stage::resampleFragment, key.fragment));
+namespace {
+
+// How often a mesh that crosses itself is made anew.
+constexpr int kRounds = 6;
+
+// A mesh, and of each triangle the face that it comes from.
+struct Resampled {
+  TriangleMesh mesh;
+  std::vector<Index> source;
+};
+
+Resampled resampledMesh(const LabeledMesh& mesh, const GridFrame& frame, std::uint64_t seed,
+                        const std::vector<bool>& kept) {
+  Resampling resampling(mesh, frame, seed, kept);
   const SampledMesh& made = resampling.run();
-  TriangleMesh out;
+  Resampled out;
   std::vector<Index> number(made.vertices().size(), SampledMesh::kNone);
   for (Index v = 0; v < number.size(); ++v) {
     if (made.around(v).empty()) continue;
-    number[v] = static_cast<Index>(out.vertices.size());
+    number[v] = static_cast<Index>(out.mesh.vertices.size());
     const bool stays = v < mesh.mesh.vertices.size() &&
                        made.vertices()[v] == inVoxels(frame, mesh.mesh.vertices[v]);
-    out.vertices.push_back(stays ? mesh.mesh.vertices[v]
-                                 : frame.worldFromIndex(made.vertices()[v]));
+    out.mesh.vertices.push_back(stays ? mesh.mesh.vertices[v]
+                                      : frame.worldFromIndex(made.vertices()[v]));
   }
   for (const SampledMesh::Face& face : made.faces()) {
     if (face.isGone()) continue;
-    out.triangles.emplace_back(number[face.corner[0]], number[face.corner[1]],
-                               number[face.corner[2]]);
-    out.neighbor.push_back(mesh.mesh.neighborOf(face.source));
+    out.mesh.triangles.emplace_back(number[face.corner[0]], number[face.corner[1]],
+                                    number[face.corner[2]]);
+    out.mesh.neighbor.push_back(mesh.mesh.neighborOf(face.source));
+    out.source.push_back(face.source);
   }
   return out;
+}
+
+// Keeps the faces that triangles come from, and those around them; returns whether one is new.
+bool keepAround(const TriangleMesh& mesh, const std::vector<bool>& isCrossed,
+                std::vector<bool>& kept) {
+  std::vector<bool> isNear(kept.size(), false);
+  for (std::size_t f = 0; f < isCrossed.size(); ++f) {
+    for (int k = 0; isCrossed[f] && k < 3; ++k) isNear[mesh.triangles[f][k]] = true;
+  }
+  bool isNew = false;
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (!isNear[t.x] && !isNear[t.y] && !isNear[t.z]) continue;
+    for (int k = 0; k < 3; ++k) {
+      isNew = isNew || !kept[t[k]];
+      kept[t[k]] = true;
+    }
+  }
+  return isNew;
+}
+
+}  // namespace
+
+TriangleMesh resampled(const LabeledMesh& mesh, const GridFrame& frame, const FragmentKey& key) {
+  const std::uint64_t seed = randomBits(key.seed, Stage::resampleFragment, key.fragment);
+  std::vector<bool> kept(mesh.mesh.vertices.size(), false);
+  Resampled made;
+  for (int round = 0; round < kRounds; ++round) {
+    made = resampledMesh(mesh, frame, seed, kept);
+    std::vector<bool> isCrossed(mesh.mesh.triangles.size(), false);
+    for (const auto& pair : selfCrossings(made.mesh.vertices, made.mesh.triangles)) {
+      for (const std::uint32_t t : pair) isCrossed[made.source[t]] = true;
+    }
+    if (!keepAround(mesh.mesh, isCrossed, kept)) break;
+  }
+  return std::move(made.mesh);
 }
 
 }  // namespace sherd

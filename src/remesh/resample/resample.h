@@ -24,6 +24,8 @@ struct FragmentKey {
 /// left, and slide along it.  Then edges are flipped that make better triangles.  So the surface
 /// stays closed and of one body.
 ///
+/// Where the new mesh crosses itself, the faces there stay as they were.
+///
 /// Points along contact boundaries and creases are drawn on them, and their vertices collapse along
 /// them.  Corners where these meet stay.
 ///   mesh    closed, edge- and vertex-manifold, with neighbors; `other` is 0 on the original

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "intersect/self_crossings.h"
 #include "kernels/device_fixture.h"
 #include "mesh/search/nearest_on_triangle.h"
 #include "mesh_checks.h"
@@ -168,6 +169,26 @@ TEST_F(Resample, AFractureOfOneVoxelPiecesKeepsThem) {
   for (const Fragment& f : fracture(shapes::ball(1.0), options, device()).fragments) {
     expectClosedManifold(f.mesh);
     EXPECT_GT(volume(f.mesh), 0.0);
+  }
+}
+
+std::size_t crossings(const FractureResult& result) {
+  std::size_t pairs = 0;
+  for (const Fragment& f : result.fragments)
+    pairs += selfCrossings(f.mesh.vertices, f.mesh.triangles).size();
+  return pairs;
+}
+
+TEST_F(Resample, CrossesItselfNoMoreThanTheSharedMesh) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    FractureOptions shared = resampleOptions(Interface::shared, seed);
+    shared.grow.roughness = 1.5;
+    FractureOptions own = shared;
+    own.surface.interface = Interface::independent;
+    const TriangleMesh torus = rotatedShape(shapes::torus(1.0, 0.3), 0.4, 0.7);
+    EXPECT_LE(crossings(fracture(torus, own, device())),
+              crossings(fracture(torus, shared, device())))
+        << seed;
   }
 }
 
