@@ -256,7 +256,8 @@ def main():
     lines, keys = GALLERY.split("\n"), {}
     with tempfile.TemporaryDirectory(prefix="sherd-materials-") as folder:
         work = pathlib.Path(folder)
-        write_obj(work / "thin_plate.obj", box(1, 1, 0.04))
+        points, quads = box(1, 1, 0.04)  # in triangles: exact surfaces keep polygons, which mesh_file does not read
+        write_obj(work / "thin_plate.obj", (points, [triangle for a, b, c, d in quads for triangle in ((a, b, c), (a, c, d))]))
         for solid in solids(options.statue):
             if solid.name not in options.only.split(","):
                 continue
