@@ -75,7 +75,7 @@ FractureOptions materialOptions(MaterialPreset material, FractureOptions options
       break;
     case MaterialPreset::plaster:
       setRelief(grow, 0.4, 0.8);
-      setWear(options.erode, 0.8, 3.0, 0.6, 1.0);
+      setWear(options.erode, 1.2, 3.0, 0.6, 1.0);
       options.erode.on = ErodeOn::rims;
       break;
     case MaterialPreset::wood:
