@@ -300,8 +300,9 @@ void Extraction::meshIndependent(Fragment& fragment) const {
     LabeledMesh simple =
         std::move(simplified(complexOf(fragment.mesh, charts), simplification_, progress_).front());
     jitterCracks(simple.mesh, solid_.frame, key);
-    jitterCracks(fragment.mesh, solid_.frame, key);
-    if (crossingsOf(simple.mesh) <= crossingsOf(fragment.mesh)) {
+    const std::size_t crossings = crossingsOf(simple.mesh);
+    if (crossings > 0) jitterCracks(fragment.mesh, solid_.frame, key);
+    if (crossings == 0 || crossings <= crossingsOf(fragment.mesh)) {
       fragment.mesh = std::move(simple.mesh);
       charts = std::move(simple.chart);
     }

@@ -19,13 +19,13 @@ import argparse
 import json
 import pathlib
 import shlex
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
 
 import mesh_file
+from realism_study import run
 
 SAMPLE, DIRECTIONS, BEST, FRAMES = 700, 60000, 30, 400
 
@@ -39,13 +39,6 @@ def arguments():
     parser.add_argument("--pieces", type=int, default=8, help="of a fracture (default 8)")
     parser.add_argument("--resolution", type=int, default=64, help="voxels along the longest side (default 64)")
     return parser.parse_args()
-
-
-def run(*command):
-    done = subprocess.run([*map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{done.stderr.strip()}\n(ran: {' '.join(map(str, command))})")
-    return done.stdout
 
 
 def rotation(random):

@@ -36,8 +36,10 @@ void jitterCracks(TriangleMesh& mesh, const GridFrame& frame, const FragmentKey&
     if (reach[v] > 0.0) move(v);
   }
   for (int round = 0; round < kRounds; ++round) {
+    const auto pairs = selfCrossings(mesh.vertices, mesh.triangles);
+    if (pairs.empty()) break;
     std::vector<bool> isCrossed(reach.size(), false);
-    for (const auto& pair : selfCrossings(mesh.vertices, mesh.triangles)) {
+    for (const auto& pair : pairs) {
       for (const std::uint32_t t : pair) {
         for (int k = 0; k < 3; ++k) isCrossed[mesh.triangles[t][k]] = true;
       }
