@@ -345,6 +345,61 @@ std::string faultsOfKinds(const std::vector<Fragment>& fragments) {
   return faults;
 }
 
+// Takes components out of a mesh of which no fragment has a vertex: those that the solid lacks, as
+// it drops what is small.  Triangles keep their numbers.
+//   return  what is wrong with them, as text
+std::string withoutDropped(TriangleMesh& mesh, const FractureResult& result) {
+  std::set<std::array<double, 3>> there;
+  for (const Fragment& fragment : result.fragments) {
+    for (const glm::dvec3& v : fragment.mesh.vertices) there.insert({v.x, v.y, v.z});
+  }
+  const MeshComponents components = meshComponents(mesh);
+  std::vector<bool> isThere(components.count, false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::dvec3& v = mesh.vertices[mesh.triangles[t].x];
+    if (there.contains({v.x, v.y, v.z})) isThere[components.ofTriangle[t]] = true;
+  }
+  std::vector<TriangleMesh> dropped(components.count);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t c = components.ofTriangle[t];
+    if (isThere[c]) continue;
+    dropped[c].triangles.push_back(mesh.triangles[t]);
+    mesh.triangles[t] = glm::uvec3(mesh.triangles[t].x);
+  }
+  // Twice the volume of as many voxels: what is thin has fewer centers inside than its volume has.
+  const double most = 2.0 * kSmallComponentVoxels * std::pow(result.solid.frame.voxelSize, 3);
+  std::uint64_t count = 0;
+  std::string faults;
+  for (TriangleMesh& component : dropped) {
+    if (component.triangles.empty()) continue;
+    component.vertices = mesh.vertices;
+    ++count;
+    if (std::abs(volume(component)) > most) faults += "a component is missing; ";
+  }
+  const std::uint64_t said =
+      result.solid.smallComponents + result.solid.report.hiddenBodies + result.united.loose;
+  if (count > said) faults += std::to_string(count - said) + " components are missing; ";
+  return faults;
+}
+
+// What is wrong with fragments of one surface, as text.
+std::string faultsOfSurface(const Input& input, const FractureResult& result, bool isWorn) {
+  // Of a body that crosses itself what lies within it is left out: the surface is the union's.
+  const bool isUnited = result.united.before > 0;
+  TriangleMesh expected = isUnited ? result.united.mesh->mesh : input.clean;
+  std::string text = withoutDropped(expected, result);
+  ExactFaults faults = exactFaults(input.clean, result.fragments, isWorn || isUnited);
+  if (isUnited) faults.unlikeInput = 0;  // faces of the union are parts of the input's, rounded
+  if (!isWorn) {
+    double sum = 0.0;
+    for (const Fragment& fragment : result.fragments) sum += volume(fragment.mesh);
+    faults.volume = sum / volume(expected) - 1.0;
+    if (unsharedCracks(result.fragments) > 0) text += "cracks are not shared; ";
+  }
+  if (input.crossesItself) faults.selfCrossings = 0;
+  return text + (faults.any() ? faults.text() : "");
+}
+
 FractureOptions randomOptions(std::mt19937_64& random) {
   FractureOptions options;
   options.surface = {.levelSets = false, .surface = Surface::exact};
@@ -399,9 +454,8 @@ void breakOne(const Input& input, const FractureOptions& options, Device& device
       if (!faults.empty()) fault(faults);
       return;
     }
-    ExactFaults faults = exactFaults(input.clean, result.fragments, isWorn);
-    if (input.crossesItself) faults.selfCrossings = 0;
-    if (faults.any()) fault(faults.text());
+    const std::string faults = faultsOfSurface(input, result, isWorn);
+    if (!faults.empty()) fault(faults);
   } catch (const Error& e) {  // others are refusals
     if (e.code() == ErrorCode::internal) fault(e.what());
   }
