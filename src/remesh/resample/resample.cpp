@@ -79,8 +79,8 @@ class Resampling {
   }
 
   const SampledMesh& run() {
-    std::vector<SurfaceSample> samples = surfaceSamples(mesh_, isCorner_, kSampleDistance, seed_);
-    std::erase_if(samples, [&](const SurfaceSample& sample) {
+    std::vector<ResampledPoint> samples = surfaceSamples(mesh_, isCorner_, kSampleDistance, seed_);
+    std::erase_if(samples, [&](const ResampledPoint& sample) {
       const auto& c = mesh_.faces()[sample.face].corner;
       if (sample.edge < 0) return isKept(c[0]) && isKept(c[1]) && isKept(c[2]);
       const auto k = static_cast<std::size_t>(sample.edge);
@@ -208,15 +208,15 @@ class Resampling {
     return p + by;
   }
 
-  void insert(std::vector<SurfaceSample> samples) {
+  void insert(std::vector<ResampledPoint> samples) {
     findNormals();
     std::stable_sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) {
       return std::tie(a.face, a.edge, a.along) < std::tie(b.face, b.edge, b.along);
     });
     const std::vector<SampledMesh::Face> whole = mesh_.faces();
     Index last = SampledMesh::kNone;
-    const SurfaceSample* before = nullptr;
-    for (const SurfaceSample& sample : samples) {
+    const ResampledPoint* before = nullptr;
+    for (const ResampledPoint& sample : samples) {
       if (sample.edge < 0) continue;
       const auto k = static_cast<std::size_t>(sample.edge);
       const auto& corner = whole[sample.face].corner;
@@ -234,7 +234,7 @@ class Resampling {
       }
     };
     addParts();
-    for (const SurfaceSample& sample : samples) {
+    for (const ResampledPoint& sample : samples) {
       if (sample.edge >= 0) continue;
       const Index part = partAround(sample, first, next, whole);
       if (part == SampledMesh::kNone) continue;
@@ -244,7 +244,7 @@ class Resampling {
   }
 
   // Returns the part of a face that a point is in, none if it is nearly on an edge.
-  Index partAround(const SurfaceSample& sample, const std::vector<Index>& first,
+  Index partAround(const ResampledPoint& sample, const std::vector<Index>& first,
                    const std::vector<Index>& next,
                    const std::vector<SampledMesh::Face>& whole) const {
     const auto& corner = whole[sample.face].corner;

@@ -38,7 +38,7 @@ class Darts {
   }
 
   ///   isCorner  [vertices]
-  std::vector<SurfaceSample> all(const std::vector<bool>& isCorner) {
+  std::vector<ResampledPoint> all(const std::vector<bool>& isCorner) {
     for (Index v = 0; v < mesh_.vertices().size(); ++v) {
       if (isCorner[v]) add({mesh_.around(v).front(), -1, 0.0, mesh_.vertices()[v]});
     }
@@ -134,7 +134,7 @@ class Darts {
     return (hash ^ hash >> 15) & (first_.size() - 1);
   }
 
-  void add(const SurfaceSample& sample) {
+  void add(const ResampledPoint& sample) {
     Index& first = first_[slotOf(cellOf(sample.at))];
     next_.push_back(first);
     first = static_cast<Index>(samples_.size());
@@ -145,7 +145,7 @@ class Darts {
   const double distance_;
   const std::uint64_t seed_;
   std::uint64_t drawn_ = 0;
-  std::vector<SurfaceSample> samples_;
+  std::vector<ResampledPoint> samples_;
   std::vector<Index> first_;         // [slots] the last sample in a cell, or kNone
   std::vector<Index> next_;          // [samples] the one before in its slot
   std::vector<glm::dvec3> normals_;  // [faces] any length
@@ -153,9 +153,9 @@ class Darts {
 
 }  // namespace
 
-std::vector<SurfaceSample> surfaceSamples(const SampledMesh& mesh,
-                                          const std::vector<bool>& isCorner, double distance,
-                                          std::uint64_t seed) {
+std::vector<ResampledPoint> surfaceSamples(const SampledMesh& mesh,
+                                           const std::vector<bool>& isCorner, double distance,
+                                           std::uint64_t seed) {
   return Darts(mesh, distance, seed).all(isCorner);
 }
 

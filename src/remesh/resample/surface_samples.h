@@ -11,7 +11,7 @@
 namespace sherd {
 
 /// A point of a face, or of a feature edge.
-struct SurfaceSample {
+struct ResampledPoint {
   SampledMesh::Index face = 0;
   int edge = -1;       ///< of the face, from that corner to the next; -1: within the face
   double along = 0.0;  ///< of an edge, from its first end, 0..1
@@ -22,8 +22,8 @@ struct SurfaceSample {
 /// those that would be nearer to another one, or to a corner, than `distance`.
 ///   isCorner  [vertices] those that stay
 ///   seed      of the mesh
-[[nodiscard]] std::vector<SurfaceSample> surfaceSamples(const SampledMesh& mesh,
-                                                        const std::vector<bool>& isCorner,
-                                                        double distance, std::uint64_t seed);
+[[nodiscard]] std::vector<ResampledPoint> surfaceSamples(const SampledMesh& mesh,
+                                                         const std::vector<bool>& isCorner,
+                                                         double distance, std::uint64_t seed);
 
 }  // namespace sherd
