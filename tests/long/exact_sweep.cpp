@@ -388,9 +388,10 @@ std::string faultsOfSurface(const Input& input, const FractureResult& result, bo
   const bool isUnited = result.united.before > 0;
   TriangleMesh expected = isUnited ? result.united.mesh->mesh : input.clean;
   std::string text = withoutDropped(expected, result);
-  ExactFaults faults = exactFaults(input.clean, result.fragments, isWorn || isUnited);
+  ExactFaults faults =
+      exactFaults(isUnited ? input.clean : expected, result.fragments, isWorn || isUnited);
   if (isUnited) faults.unlikeInput = 0;  // faces of the union are parts of the input's, rounded
-  if (!isWorn) {
+  if (isUnited && !isWorn) {
     double sum = 0.0;
     for (const Fragment& fragment : result.fragments) sum += volume(fragment.mesh);
     faults.volume = sum / volume(expected) - 1.0;
