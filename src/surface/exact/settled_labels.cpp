@@ -90,7 +90,10 @@ class Following {
     changed_.clear();
     std::vector<std::size_t>& left = voxelsOf(moved.from);
     const std::vector<std::size_t> before = left;
-    for (const std::size_t voxel : lost) set(voxel, moved.to);
+    for (const std::vector<std::size_t>& part : parts(lost)) {
+      if (!isBeside(part, moved.to)) continue;  // tidy() gives it away
+      for (const std::size_t voxel : part) set(voxel, moved.to);
+    }
     tidy(moved, left);
     if (!left.empty() && left.size() >= least_ && areGainsConnected()) return true;
     for (auto at = changed_.rbegin(); at != changed_.rend(); ++at)
@@ -110,6 +113,17 @@ class Following {
       });
     }
     return own;
+  }
+
+  bool isBeside(const std::vector<std::size_t>& voxels, std::uint16_t id) const {
+    return std::any_of(voxels.begin(), voxels.end(), [&](std::size_t voxel) {
+      for (std::size_t side = 0; side < 6; ++side) {
+        const std::size_t beside = voxelBeside(blocks_, voxel, side);
+        if (beside == kNoVoxel || !blocks_.isInside(beside)) continue;
+        if (labels_.fragment[beside] == id) return true;
+      }
+      return false;
+    });
   }
 
   void set(std::size_t voxel, std::uint16_t id) {
@@ -170,23 +184,33 @@ class Following {
   }
 
   // Gives what a fragment has left beside its largest part, and its labels of the exterior band
-  // near the voxels that it lost, to the fragments beside them.
+  // near the voxels that it lost, to the fragments beside them: inside voxels first, and not by way
+  // of the band, as they would not touch the fragment that they get.
   //   left  the fragment's voxels, changed
   void tidy(const MovedBody& moved, std::vector<std::size_t>& left) {
     std::erase_if(left, [&](std::size_t voxel) { return labels_.fragment[voxel] != moved.from; });
     std::vector<std::vector<std::size_t>> all = parts(left);
-    std::vector<std::size_t> open;
+    std::vector<std::size_t> open, band;
     for (std::size_t i = 1; i < all.size(); ++i)
       open.insert(open.end(), all[i].begin(), all[i].end());
     left = all.empty() ? std::vector<std::size_t>() : std::move(all.front());
     openvdb::math::CoordBBox around = voxelsWithin(solid_, moved.body);
     around.expand(kBandReach);
     forEachVoxel(blocks_, around, [&](std::size_t voxel, const openvdb::Coord&) {
-      if (!blocks_.isInside(voxel) && labels_.fragment[voxel] == moved.from) open.push_back(voxel);
+      if (!blocks_.isInside(voxel) && labels_.fragment[voxel] == moved.from) band.push_back(voxel);
     });
-    for (const std::size_t voxel : open) set(voxel, 0);
-    for (const std::size_t voxel : spread(blocks_, std::move(open), labels_.fragment, progress_)) {
-      labels_.fragment[voxel] = moved.from;
+    for (const std::vector<std::size_t>* const voxels : {&open, &band}) {
+      for (const std::size_t voxel : *voxels) set(voxel, 0);
+    }
+    giveAway(moved.from, std::move(open), SpreadFrom::inside);
+    giveAway(moved.from, std::move(band), SpreadFrom::all);
+  }
+
+  // Gives voxels to the fragments beside them, and those that none reaches to one.
+  void giveAway(std::uint16_t id, std::vector<std::size_t> voxels, SpreadFrom from) {
+    for (const std::size_t voxel :
+         spread(blocks_, std::move(voxels), labels_.fragment, progress_, from)) {
+      labels_.fragment[voxel] = id;
     }
   }
 

@@ -9,11 +9,13 @@
 namespace sherd {
 
 std::vector<std::size_t> spread(const LeafBlocks& blocks, std::vector<std::size_t> open,
-                                std::vector<std::uint16_t>& values, const Progress* progress) {
+                                std::vector<std::uint16_t>& values, const Progress* progress,
+                                SpreadFrom from) {
   const auto valueBeside = [&](std::size_t voxel) {
     for (std::size_t side = 0; side < 6; ++side) {
       const std::size_t beside = voxelBeside(blocks, voxel, side);
-      if (beside != kNoVoxel && values[beside] != 0) return values[beside];
+      if (beside == kNoVoxel || values[beside] == 0) continue;
+      if (from == SpreadFrom::all || blocks.isInside(beside)) return values[beside];
     }
     return std::uint16_t{0};
   };

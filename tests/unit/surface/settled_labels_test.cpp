@@ -5,10 +5,12 @@
 #include <sherd/fracture.h>
 #include <sherd/solid.h>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <numbers>
 #include <set>
 #include <vector>
 
@@ -31,6 +33,23 @@ TriangleMesh fork() {
   const TriangleMesh handle = barFrom({-1.0, 0.0, -0.5}, {1.0, 1.0, 0.5});
   return shapes::append(shapes::append(handle, barFrom({-1.0, 0.5, -0.5}, {-half, 4.0, 0.5})),
                         barFrom({half, 0.5, -0.5}, {1.0, 4.0, 0.5}));
+}
+
+// A prism about z, over a regular polygon.
+TriangleMesh prism(double radius, double low, double high, std::uint32_t sides) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0.0, 0.0, low}, {0.0, 0.0, high}};
+  for (std::uint32_t i = 0; i < sides; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / sides;
+    const glm::dvec3 at(radius * std::cos(angle), radius * std::sin(angle), low);
+    mesh.vertices.insert(mesh.vertices.end(), {at, {at.x, at.y, high}});
+    const std::uint32_t a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % sides);
+    for (const auto& triangle : {std::array{a, b, b + 1}, std::array{a, b + 1, a + 1},
+                                 std::array{0u, b, a}, std::array{1u, a + 1, b + 1}}) {
+      mesh.triangles.emplace_back(triangle[0], triangle[1], triangle[2]);
+    }
+  }
+  return mesh;
 }
 
 // One fragment is the handle with half of the prongs; the voxels of the other's prongs touch.
@@ -95,6 +114,35 @@ TEST(SettledLabels, OfACombGoToothByTooth) {
       EXPECT_LT(fragment.mass.volume, 1.1 * ofVoxels) << seed << ", " << fragment.id;
     }
   }
+}
+
+// Plates that nearly touch, with a pin through all: what a fragment loses is a part of a plate,
+// with single voxels across the gap that no other fragment touches but by the band outside.
+TEST(SettledLabels, OfAStackGoPlateByPlate) {
+  Device device("builtin");
+  int unequal = 0, all = 0;
+  for (const std::uint64_t seed : {0u, 1u, 2u, 3u}) {
+    TriangleMesh stack = prism(0.05, -0.1, 0.9, 16);
+    for (std::uint32_t plate = 0; plate < 4; ++plate) {
+      const double low = 0.1807 * plate;
+      stack = shapes::append(stack, prism(1.0 - 0.1 * plate, low, low + 0.18, 40u + 2u * plate));
+    }
+    FractureOptions options;
+    options.pieces = 10;
+    options.seed = seed;
+    options.solid.resolution = 64;
+    options.surface = {.levelSets = false, .surface = Surface::exact};
+    const FractureResult result = fracture(stack, options, device);
+    ASSERT_EQ(result.exactFailure, "");
+    for (const Fragment& fragment : result.fragments) {
+      const double ofVoxels =
+          static_cast<double>(fragment.voxels) * std::pow(result.solid.frame.voxelSize, 3);
+      const double ratio = fragment.mass.volume / ofVoxels;
+      ++all;
+      unequal += ratio < 0.8 || ratio > 1.25;
+    }
+  }
+  EXPECT_EQ(unequal, 0) << "of " << all;
 }
 
 TEST(SettledLabels, KeepTheLeastShare) {
