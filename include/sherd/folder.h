@@ -158,6 +158,11 @@ struct StagedFracture {
 [[nodiscard]] std::vector<std::string> meshWarnings(const SourceMesh& source,
                                                     const FractureResult& result);
 
+/// Returns how many kept fragments lack a neighbor because of FractureOptions::missing, as a
+/// clause; empty if none does.
+///   alone  FractureResult::alone
+[[nodiscard]] std::string aloneText(std::size_t alone);
+
 /// The name of the manifest in a fracture's folder.
 inline constexpr const char* kManifestName = "manifest.json";
 

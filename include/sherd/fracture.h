@@ -32,6 +32,12 @@ enum class MaterialPreset : std::uint8_t {
   ice
 };
 
+/// Which fragments FractureOptions::missing withholds.
+enum class MissingRule : std::uint8_t {
+  neighbors,  ///< so that each that is kept touches another one that is, wherever that can be
+  any,        ///< any, by their random ids: some that are kept may touch none that is
+};
+
 /// Cracks that are given: the first splits of growth by splits follow them.
 struct Guide {
   std::string file{};                                ///< named in messages and manifests
@@ -57,6 +63,7 @@ struct FractureOptions {
   std::vector<Guide> guides{};
   double dropShare = 0.0;  ///< withholds fragments below this share of the solid's voxels, 0..1
   double missing = 0.0;    ///< withholds further fragments: a number if >= 1, a share if below 1
+  MissingRule missingRule = MissingRule::neighbors;
   SurfaceOptions surface{};
 };
 
@@ -118,10 +125,12 @@ struct FractureResult {
   std::vector<SmoothBodies> smooth{};  ///< where Surface::exact was replaced and others have it
   UnitedBodies united{};               ///< of Surface::exact
   std::size_t withheld = 0;            ///< the last `withheld` fragments are withheld
-  std::vector<int> parents;            ///< [fragments] of refracture: id of the old fragment that
-                                       ///< each comes from; else empty
-  double sizeError = 0.0;  ///< with ShareOptions::sizes, the greatest difference of a grown
-                           ///< share from the one drawn for it, divided by that
+  std::size_t alone = 0;  ///< with `missing`, of two kept fragments or more: those whose neighbors
+                          ///< are all withheld
+  std::vector<int> parents;  ///< [fragments] of refracture: id of the old fragment that
+                             ///< each comes from; else empty
+  double sizeError = 0.0;    ///< with ShareOptions::sizes, the greatest difference of a grown
+                             ///< share from the one drawn for it, divided by that
   std::vector<std::string> guideWarnings{};  ///< a sentence for each of FractureOptions::guides
                                              ///< that splits nothing, or of which a part does not
   std::vector<StageTime> times;

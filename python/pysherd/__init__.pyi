@@ -273,6 +273,7 @@ def fracture(
     erode_islands: Literal["erode", "keep"] | None = "erode",
     drop_share: float | None = 0,
     missing: float | None = 0,
+    missing_rule: Literal["neighbors", "any"] | None = "neighbors",
     points: int | None = 0,
     share_points: bool | None = False,
     point_sampler: Literal["uniform", "halton", "poisson"] | None = "uniform",

@@ -247,6 +247,12 @@ std::string GrownPieces::smoothText() const {
   return smoothText_;
 }
 
+std::vector<std::string> GrownPieces::guideWarnings() const {
+  std::vector<std::string> all = grown_.result.guideWarnings;
+  if (grown_.result.alone > 0) all.push_back(sherd::aloneText(grown_.result.alone));
+  return all;
+}
+
 std::string GrownPieces::unitedText() const {
   const std::lock_guard lock(making_);
   return unitedText_;

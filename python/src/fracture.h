@@ -109,7 +109,7 @@ class Fracture : public std::enable_shared_from_this<Fracture> {
   /// meshes are made, and where there are none.
   [[nodiscard]] virtual std::string unitedText() const { return {}; }
 
-  /// Sentences about guides that split nothing.
+  /// Sentences about guides that split nothing, and fragments without a neighbor.
   [[nodiscard]] virtual std::vector<std::string> guideWarnings() const { return {}; }
 
  protected:
@@ -168,9 +168,7 @@ class GrownPieces : public Fracture {
   [[nodiscard]] const std::vector<sherd::Fragment>& sampled(const sherd::Progress&) override;
   [[nodiscard]] std::string smoothText() const override;
   [[nodiscard]] std::string unitedText() const override;
-  [[nodiscard]] std::vector<std::string> guideWarnings() const override {
-    return grown_.result.guideWarnings;
-  }
+  [[nodiscard]] std::vector<std::string> guideWarnings() const override;
   [[nodiscard]] sherd::FinishedFracture finished(const sherd::Progress& progress) override;
   [[nodiscard]] sherd::RunOptions inherited() const override {
     return sherd::inheritedOptions(run_);

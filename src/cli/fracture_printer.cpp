@@ -100,6 +100,7 @@ std::vector<std::string> warningsOf(const FractureSummary& summary) {
     }
   }
   warnings.insert(warnings.end(), result.guideWarnings.begin(), result.guideWarnings.end());
+  if (result.alone > 0) warnings.push_back(summary.mesh + ": " + aloneText(result.alone));
   const Length& depth = summary.options.erode.iterations;
   const int side = result.solid.box.longestSide();
   if (depth.percent > 0.0 && depth.over(side) < 0.5 && result.eroded.front() == 0) {

@@ -62,7 +62,7 @@ struct Work {
   std::shared_ptr<StagedFiles> files;
   Json line;
   std::size_t fragments = 0;
-  std::string surfaceWarning, crossingsWarning;  // a clause, or empty
+  std::string surfaceWarning, crossingsWarning, aloneWarning;  // a clause, or empty
 };
 
 class ObjectRun {
@@ -232,6 +232,7 @@ class ObjectRun {
       keep(std::move(work->files), std::move(work->line));
       warnOfFirst(work->surfaceWarning, hasWarnedOfSurface_);
       warnOfFirst(work->crossingsWarning, hasWarnedOfCrossings_);
+      warnOfFirst(work->aloneWarning, hasWarnedOfAlone_);
       run_.fractured(work->fragments);
     };
     using Mode = tbb::filter_mode;
@@ -285,6 +286,7 @@ class ObjectRun {
     work.surfaceWarning =
         smoothText(*source_, result.fragments.size(), result.exactFailure, result.smooth);
     if (work.surfaceWarning.empty()) work.surfaceWarning = unitedText(result.united);
+    work.aloneWarning = aloneText(result.alone);
     if (options.surface.meshes) renderThumbnail(planned.name(), result);
     begin = Clock::now();
     keepDecimated(result);
@@ -465,7 +467,7 @@ class ObjectRun {
   const FractureWriter* writer_ = nullptr;
   std::map<std::string, int> done_;  // attempt of each finished fracture, by name
   std::uint64_t memory_ = 0;
-  bool hasWarnedOfSurface_ = false, hasWarnedOfCrossings_ = false;
+  bool hasWarnedOfSurface_ = false, hasWarnedOfCrossings_ = false, hasWarnedOfAlone_ = false;
   mutable std::mutex warnedMutex_;
   mutable std::set<std::string> warned_;
 };

@@ -364,8 +364,18 @@ const Row kWithheldRows[]{
              "manifest lists them",
      .details = "withhold this number (from 1) or share (below 1) of the remaining fragments: in "
                 "the manifest's `withheld`, not in the files. Each that is kept touches another "
-                "one that is, unless that cannot be, as where one is kept or bodies do not touch",
+                "one that is, unless that cannot be, as where one is kept or bodies do not touch; "
+                "a warning says so",
      .key = "missing",
+     .drawn = true},
+    {.name = "missing-rule",
+     .group = "Growth",
+     .value = V::choice(kFracture, &FractureOptions::missingRule, names::kMissingRule),
+     .help = "Which --missing withholds: those that leave each other one a neighbor, or any",
+     .details = "which fragments `--missing` withholds: those that leave each that is kept a "
+                "neighbor, or any by chance",
+     .key = "missing_rule",
+     .recorded = [](R o) { return o.fracture.missingRule != MissingRule::neighbors; },
      .drawn = true},
 };
 

@@ -254,6 +254,11 @@ std::vector<Rule> erosionRules() {
        [](O o, U) { return o.fracture.erode.iterations.isZero(); },
        "does nothing without {erode-iterations}",
        {"erode-iterations"}},
+      {{"missing-rule"},
+       Verdict::idle,
+       [](O o, U) { return o.fracture.missing == 0.0; },
+       "does nothing without {missing}",
+       {"missing"}},
   };
 }
 

@@ -112,9 +112,16 @@ std::size_t dropSmall(GrownFracture& grown, double dropShare) {
 
 // Gives the last ids of the first `fragments` to those that are withheld by their contacts, and
 // those that are kept random ones, so that ids do not depend on contacts.
-void withhold(GrownFracture& grown, std::size_t fragments, std::size_t count) {
+void withhold(GrownFracture& grown, std::size_t fragments, std::size_t count, MissingRule rule) {
   const Labels& labels = grown.uneroded ? *grown.uneroded : grown.result.labels;
-  const std::vector<bool> isWithheld = withheldByContacts(fragments, count, crackAreas(labels));
+  const std::vector<CrackArea> contacts = crackAreas(labels);
+  std::vector<bool> isWithheld(fragments + 1, false);
+  if (rule == MissingRule::neighbors) {
+    isWithheld = withheldByContacts(fragments, count, contacts);
+  } else {
+    std::fill(isWithheld.end() - static_cast<std::ptrdiff_t>(count), isWithheld.end(), true);
+  }
+  if (fragments - count > 1) grown.result.alone = aloneByContacts(isWithheld, contacts);
   const auto kept = isWithheld.begin() + static_cast<std::ptrdiff_t>(fragments - count + 1);
   if (std::find(isWithheld.begin() + 1, kept, true) == kept) return;  // the last ones
   std::vector<std::uint16_t> newIds(static_cast<std::size_t>(labels.fragmentCount) + 1);
@@ -407,7 +414,7 @@ void finish(GrownFracture& grown, Labels labels, const FractureOptions& options,
                     : leastVoxels(options.shares, result.solid.voxels);
   const std::size_t small = dropSmall(grown, options.dropShare);
   const std::size_t missing = withheldCount(options.missing, fragments - small);
-  if (missing > 0) withhold(grown, fragments - small, missing);
+  if (missing > 0) withhold(grown, fragments - small, missing, options.missingRule);
   result.withheld = small + missing;
   result.times = clock.times();
 }

@@ -112,4 +112,24 @@ std::vector<bool> withheldByContacts(std::size_t fragments, std::size_t count,
   return Withholding(fragments, count, contacts).run();
 }
 
+std::size_t aloneByContacts(const std::vector<bool>& withheld,
+                            std::span<const CrackArea> contacts) {
+  const std::size_t count = withheld.size();
+  std::vector<bool> touches(count, false), touchesKept(count, false);
+  const auto add = [&](std::size_t id, std::size_t other) {
+    if (id >= count) return;
+    touches[id] = true;
+    if (other < count && !withheld[other]) touchesKept[id] = true;
+  };
+  for (const CrackArea& contact : contacts) {
+    add(contact.a, contact.b);
+    add(contact.b, contact.a);
+  }
+  std::size_t alone = 0;
+  for (std::size_t id = 1; id < count; ++id) {
+    if (!withheld[id] && touches[id] && !touchesKept[id]) ++alone;
+  }
+  return alone;
+}
+
 }  // namespace sherd

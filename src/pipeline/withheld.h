@@ -21,4 +21,9 @@ namespace sherd {
 [[nodiscard]] std::vector<bool> withheldByContacts(std::size_t fragments, std::size_t count,
                                                    std::span<const CrackArea> contacts);
 
+/// Returns how many kept fragments touch others, of which none is kept.
+///   withheld  [fragments + 1]
+[[nodiscard]] std::size_t aloneByContacts(const std::vector<bool>& withheld,
+                                          std::span<const CrackArea> contacts);
+
 }  // namespace sherd

@@ -279,6 +279,23 @@ class Growth(Options):
                               for f in ("meshes", "fragments")}, {"meshes": 9, "fragments": 9})
         self.assertEqual(len(self.broken("--missing", "0.01")["withheld"]), 0)
 
+    def test_a_warning_says_where_a_kept_fragment_has_no_neighbor(self):
+        for rule, alone in (("neighbors", False), ("any", True)):
+            said = 0
+            for seed in range(12):
+                shutil.rmtree(self.out, ignore_errors=True)
+                result = self.fracture("--missing", "10", "--missing-rule", rule, "--seed", str(seed), "--write", "labels", pieces=12)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                with open(os.path.join(self.out, "manifest.json")) as file:
+                    manifest = json.load(file)
+                kept = {f["id"] for f in manifest["fragments"]}
+                lonely = sum(not kept & {c["id"] for c in f["contacts"]} for f in manifest["fragments"])
+                self.assertEqual("only missing ones" in result.stderr, lonely > 0, result.stderr)
+                said += lonely > 0
+            self.assertEqual(said > 0, alone)
+        shutil.rmtree(self.out)
+        self.assertIn("--missing-rule does nothing", self.fracture("--missing-rule", "any").stderr)
+
 
 class Erosion(Options):
     def worn(self, *options, iterations="2"):
@@ -520,7 +537,7 @@ MATTERS = {
     "--split-tilt": (("--growth", "sequential"), "10", "30"),
     "--material": ((), "stone", "wood"), "--propagation": (("--roughness", "2"), "0,0,1,0.4", "1,0,0,0.4"),
     "--sizes": ((), "uniform", "power:1.6"), "--isolated": ((), "regrow", "keep"), "--min-share": ((), "0", "0.01"), "--balance": ((), "0", "1"), "--drop-share": ((), "0", "0.01"),
-    "--missing": ((), "0", "1"), "--erode-iterations": ((), "0", "1"),
+    "--missing": ((), "0", "1"), "--missing-rule": (("--missing", "1"), "neighbors", "any"), "--erode-iterations": ((), "0", "1"),
     "--surface": ((), "smooth", "labels"), "--interface": ((), "shared", "independent"), "--adaptivity": ((), "0", "0.5"),
     "--mismatch": (("--write", "mesh"), "0.1%", "0.2%,0.5,10%"), "--scan-noise": (("--write", "mesh"), "0.1%", "0.2%"),
     "--mismatch-common": (("--mismatch", "0.1%", "--write", "mesh"), "0", "0.5"),

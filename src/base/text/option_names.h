@@ -14,6 +14,7 @@ inline constexpr const char* kSizes[] = {"grown", "uniform", "lognormal", "power
 inline constexpr const char* kErodeShape[] = {"cross", "square", "ellipse"};
 inline constexpr const char* kErodeOn[] = {"fracture", "all", "rims"};
 inline constexpr const char* kIslands[] = {"erode", "keep"};
+inline constexpr const char* kMissingRule[] = {"neighbors", "any"};
 inline constexpr const char* kMaterial[] = {"none",    "ceramic", "stone",    "glass", "tempered",
                                             "plaster", "wood",    "concrete", "ice"};
 inline constexpr const char* kInterface[] = {"shared", "independent"};

@@ -145,6 +145,13 @@ std::vector<std::string> objectsOf(const SourceMesh& source,
   return names;
 }
 
+std::string aloneText(std::size_t alone) {
+  if (alone == 0) return {};
+  return std::to_string(alone) +
+         (alone == 1 ? " fragment that is kept touches" : " fragments that are kept touch") +
+         " only missing ones";
+}
+
 std::string smoothText(const SourceMesh& source, std::size_t fragments, const std::string& failure,
                        std::span<const SmoothBodies> smooth) {
   if (!failure.empty()) {

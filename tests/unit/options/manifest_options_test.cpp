@@ -58,11 +58,12 @@ class ManifestOptions : public DeviceTest {
 
 TEST_F(ManifestOptions, OfAFractureAreRecorded) {
   auto& [material, pieces, seed, solid, seeds, grow, shares, erode, guides, dropShare, missing,
-         surface] = options_;
+         missingRule, surface] = options_;
   expectRecorded("pieces", pieces, 2);  // of a solid that gave three
   expectRecorded("seed", seed, std::uint64_t{7});
   expectRecorded("dropShare", dropShare, 0.01);
   expectRecorded("missing", missing, 0.5);
+  expectRecorded("missingRule", missingRule, MissingRule::any);
   auto& [resolution, voxelSize, fill, shellThickness, bodies, objects, keepMesh, keepSeams] = solid;
   EXPECT_FALSE(keepMesh);                     // follows from the surface
   EXPECT_TRUE(keepSeams && objects.empty());  // follow from the files

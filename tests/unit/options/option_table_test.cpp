@@ -24,6 +24,7 @@ RunOptions everything() {
   options.fracture.grow.propagationHurst = 0.5;
   options.fracture.erode.iterations = 2;
   options.fracture.dropShare = 0.01;
+  options.fracture.missingRule = MissingRule::any;
   options.fracture.solid.shellThickness = 0.25;
   options.write.points.count = 10;
   options.write.distances = {.count = 10, .sigma = 0.5};

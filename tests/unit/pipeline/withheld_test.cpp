@@ -105,6 +105,30 @@ TEST_F(WithheldFragments, EveryKeptOneHasAKeptContact) {
   EXPECT_GT(wouldBeAlone, 10u);
 }
 
+TEST_F(WithheldFragments, AnyMayGoIfAsked) {
+  std::size_t alone = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const FractureOptions options{.pieces = 10,
+                                  .seed = seed,
+                                  .solid = {.resolution = 32},
+                                  .missing = 6,
+                                  .missingRule = MissingRule::any};
+    const FractureResult result = fracture(shapes::torus(1.0, 0.2), options, device());
+    ASSERT_EQ(result.kept(), 4u);
+    EXPECT_EQ(result.alone, aloneOf(result, 4)) << seed;
+    alone += result.alone;
+  }
+  EXPECT_GT(alone, 10u);
+}
+
+TEST(Withheld, ThoseWithoutAKeptNeighborAreCounted) {
+  const auto contacts = contactsOfTest({{1, 3}, {2, 4}, {3, 4}});
+  EXPECT_EQ(aloneByContacts({false, false, false, true, true}, contacts), 2u);
+  EXPECT_EQ(aloneByContacts({false, false, false, false, true}, contacts), 1u);
+  // 5 touches nothing at all.
+  EXPECT_EQ(aloneByContacts({false, false, false, false, false, false}, contacts), 0u);
+}
+
 TEST_F(WithheldFragments, IdsOfKeptOnesSayNothing) {
   // A torus in a ring of pieces: the mean share of each id is that of all, within three standard
   // errors, and the fragments are those of the whole fracture.
