@@ -131,8 +131,10 @@ class Breaker:
         low, high = self.objects
         count = low + hashed("objects", slot.seed) % (high - low + 1)
         samples = [self._sample(slot, f, 0, count)]
-        samples += [self._first(self._others(slot, k), partial(self._sample, which=k, objects=count)) for k in range(1, count)]
-        return self._layout.make(samples[0] if count == 1 else _layouts.sample_of_several(samples))
+        for k in range(1, count):
+            used = {sample.mesh for sample in samples}
+            samples.append(self._first(self._others(slot, k, used), partial(self._sample, which=k, objects=count)))
+        return self._layout.make(samples[0] if count == 1 else _layouts.sample_of_several(samples, generator(hashed("object order", slot.seed))))
 
     def _sample(self, slot: Slot, f: Fracture, which: int, objects: int) -> _layouts.Sample:
         """Samples one of the objects of an item, which has its part of the points."""
@@ -143,10 +145,13 @@ class Breaker:
         box = self.solids[slot.mesh].surface_box
         return _layouts.sample_of(f, self._layout, points, self._options.of_points, box, **self._named(slot))
 
-    def _others(self, slot: Slot, which: int) -> Iterator[Slot]:
-        """Yields the fracture that is another object of an item, and others in its place."""
+    def _others(self, slot: Slot, which: int, used: set[int]) -> Iterator[Slot]:
+        """Yields the fracture that is another object of an item, and others in its place: of a mesh that is not used, where there is one."""
+        usable = len(self._failed | used) < len(self._meshes)
         for attempt in itertools.count():
             mesh = hashed("object mesh", slot.seed, which, attempt) % len(self._meshes)
+            if usable and mesh in used and attempt < _MOST_FAILURES:
+                continue
             yield Slot(slot.number, mesh, hashed("object", slot.seed, which, attempt))
 
     def _named(self, slot: Slot) -> dict[str, Any]:

@@ -126,21 +126,29 @@ def sample_of(f: Fracture, layout: Layout, points: int, texts: list[tuple[str, s
 _APART = 1.5  # of objects of an item, along x; each has a box of side 1
 
 
-def sample_of_several(samples: list[Sample]) -> Sample:
-    """Puts objects side by side along x, the first around 0, as one sample, whose name has all their names."""
-    first = samples[0]
-    starts = np.cumsum([0] + [len(sample.positions) for sample in samples])
-    graph = np.zeros((max(len(first.graph), starts[-1]),) * 2, bool)
-    for sample, start in zip(samples, starts):
-        own = len(sample.positions)
-        graph[start : start + own, start : start + own] = sample.graph[:own, :own]
-    return first._replace(
-        positions=[p + (_APART * k, 0, 0) for k, sample in enumerate(samples) for p in sample.positions],
-        normals=[n for sample in samples for n in sample.normals],
-        neighbor=[np.where(n > 0, n + start, 0) for sample, start in zip(samples, starts) for n in sample.neighbor],
-        areas=np.concatenate([sample.areas for sample in samples]), graph=graph, name=";".join(sample.name for sample in samples),
-        object=np.repeat(np.arange(len(samples)), np.diff(starts)),
-    )  # fmt: skip
+def sample_of_several(samples: list[Sample], random: np.random.Generator) -> Sample:
+    """Puts objects side by side along x, the first around 0, as one sample, whose name has all their names.
+
+    The fragments of all are in a random order, in which those of each object keep theirs.
+    """
+    first, counts = samples[0], [len(sample.positions) for sample in samples]
+    objects = random.permutation(np.repeat(np.arange(len(samples)), counts))
+    graph = np.zeros((max(len(first.graph), len(objects)),) * 2, bool)
+    columns: list[list[Any]] = [[None] * len(objects) for _ in range(3)]
+    areas, withheld = np.zeros(len(objects)), len(objects)
+    for k, sample in enumerate(samples):
+        places = np.flatnonzero(objects == k)
+        own = len(places)
+        graph[np.ix_(places, places)] = sample.graph[:own, :own]
+        areas[places] = sample.areas
+        most = max(int(n.max(initial=0)) for n in sample.neighbor)
+        ids = np.concatenate([[0], places + 1, withheld + 1 + np.arange(max(most - own, 0))])  # those that are withheld follow all others
+        withheld += max(most - own, 0)
+        for place, *values in zip(places, sample.positions, sample.normals, sample.neighbor):
+            for column, value in zip(columns, (values[0] + (_APART * k, 0, 0), values[1], ids[values[2]])):
+                column[place] = value
+    name = ";".join(sample.name for sample in samples)
+    return first._replace(positions=columns[0], normals=columns[1], neighbor=columns[2], areas=areas, graph=graph, name=name, object=objects)
 
 
 # --- poses

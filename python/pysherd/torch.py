@@ -72,7 +72,7 @@ class FractureDataset(IterableDataset[Any]):
         what the ranks do not divide, whatever the processes.  By default the stream is endless.
     objects : int or str
         Objects of an item, such as ``"2..5"``: a collection of fragments of several objects, drawn among the meshes and set up side by side
-        along x, 1.5 apart.  `object` says which one each fragment (each point of ``"points"``) is of, in our own layouts; `fracture` has the first.
+        along x, 1.5 apart, their fragments in a random order.  `object` says which one each fragment (each point of ``"points"``) is of, in our own layouts; `fracture` has the first.
     split : str, optional
         ``"train"``, ``"val"`` or ``"test"``: only the meshes of this part, the same as ``sherd dataset`` puts there.  With
         `items` given, and `set_epoch` not called, those of ``"val"`` are the same each time.
