@@ -114,7 +114,7 @@ sherd_room(sherd_folders dataset/layouts
   split_of)
 sherd_room(sherd_folders dataset/report report resources run_record statistics thumbnails)
 sherd_room(sherd_folders dataset
-  distinct forecast growth_ahead index library object_run options output_root replaced_files replacement run_dataset schedule
+  distinct forecast fracture_output growth_ahead index library object_limits object_run options output_root replaced_files replacement run_dataset schedule
   stored_object verify)
 
 # The program.

@@ -11,6 +11,23 @@
 #include "dataset/layouts/identity.h"
 
 namespace sherd {
+
+FractureOptions optionsOfFracture(const DatasetOptions& options, int pieces, std::uint64_t seed,
+                                  const std::optional<glm::dvec3>& offset, DrawnValues& drawn) {
+  RunOptions each = options.each;
+  for (const DrawnOption& option : options.drawn) {
+    drawn.emplace_back(option.name, option.valueFor(seed));
+    fractureOption(option.name)->value.set(each, drawn.back().second);
+  }
+  if (offset) each = recentered(std::move(each), *offset);
+  each.fracture.surface.surface = surfaceOfDataset(each.fracture);
+  FractureOptions own = optionsFor(each.fracture, each.write);
+  if (options.layout == DatasetLayout::bb) own.surface.meshes = true;  // to scale them
+  own.pieces = pieces;
+  own.seed = seed;
+  return own;
+}
+
 GrowthAhead::GrowthAhead(const PreparedSolid& ready, std::string sha256,
                          std::map<std::string, int> done, const DatasetRun& run,
                          const std::optional<glm::dvec3>& offset, const Progress& progress)
@@ -91,17 +108,7 @@ std::unique_ptr<PlannedGrowth> GrowthAhead::planOf(std::size_t number, int attem
   plan->number = number;
   plan->attempt = attempt;
   const std::uint64_t seed = fractureSeed(options_.seed, sha256_, plan->planned, attempt);
-  RunOptions each = options_.each;
-  for (const DrawnOption& option : options_.drawn) {
-    plan->drawn.emplace_back(option.name, option.valueFor(seed));
-    fractureOption(option.name)->value.set(each, plan->drawn.back().second);
-  }
-  if (offset_) each = recentered(std::move(each), *offset_);
-  each.fracture.surface.surface = surfaceOfDataset(each.fracture);
-  plan->options = optionsFor(each.fracture, each.write);
-  if (options_.layout == DatasetLayout::bb) plan->options.surface.meshes = true;  // to scale them
-  plan->options.pieces = plan->planned.pieces;
-  plan->options.seed = seed;
+  plan->options = optionsOfFracture(options_, plan->planned.pieces, seed, offset_, plan->drawn);
   plan->options.grow.tuning.warmUp = !std::exchange(warmedUp_, true);
   return plan;
 }

@@ -24,6 +24,14 @@ struct PlannedGrowth {
   GrownFracture grown;
 };
 
+/// Returns the options of a fracture, with the values that are drawn by its seed.
+///   offset  of an object that was recentered
+///   drawn   receives these values
+[[nodiscard]] FractureOptions optionsOfFracture(const DatasetOptions& options, int pieces,
+                                                std::uint64_t seed,
+                                                const std::optional<glm::dvec3>& offset,
+                                                DrawnValues& drawn);
+
 /// Iterates over the planned fractures of an object and grows them a batch ahead.
 class GrowthAhead {
  public:
