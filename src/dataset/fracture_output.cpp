@@ -83,10 +83,12 @@ NamedObject FractureOutput::named(const FractureOptions& options) const {
           of_.longestSide};
 }
 
-// Whether files have the positions of the object, and are not in a frame of the layout's own.
-bool FractureOutput::isInWorld() const {
-  return options_.layout == DatasetLayout::sherd || options_.layout == DatasetLayout::packed ||
-         options_.layout == DatasetLayout::paper;
+bool FractureOutput::isInWorld() const { return hasWorldPositions(options_.layout); }
+
+// Returns the frame of the files, if poses are asked for.
+std::optional<UnitBox> FractureOutput::frameOfPoses() const {
+  if (!options_.poses) return std::nullopt;
+  return isInWorld() ? UnitBox{} : of_.unitBox;
 }
 
 void FractureOutput::writeWhole(FractureResult whole, const FractureOptions& options) {
@@ -113,7 +115,7 @@ void FractureOutput::writeWhole(FractureResult whole, const FractureOptions& opt
   });
   FractureLine line(kWholeName, {0, 0}, options.seed, 0, {});
   if (isInWorld()) line.setOffset(options_.each.write.offset);
-  line.addFragments(whole, names.files, *files, options_.poses);
+  line.addFragments(whole, names.files, *files, frameOfPoses());
   keep(files, line.json());
 }
 
@@ -132,7 +134,7 @@ MadeFracture FractureOutput::made(FractureResult result, const FractureOptions& 
   FractureLine line(origin.planned.name(), origin.planned, options.seed, origin.attempt,
                     origin.drawn);
   if (isInWorld()) line.setOffset(options_.each.write.offset);
-  line.addFragments(result, names.files, *made.files, options_.poses);
+  line.addFragments(result, names.files, *made.files, frameOfPoses());
   making(*made.files,
          [&] { writeFiles(*made.files, names.files, options, origin.number, result); });
   record(made, result, options, names);

@@ -4,27 +4,20 @@
 #include <sherd/dataset.h>
 #include <sherd/fracture.h>
 
-#include <glm/vec3.hpp>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "dataset/dataset_run.h"
 #include "dataset/journal/journal.h"
+#include "dataset/layouts/fracture_line.h"
 #include "dataset/layouts/layout.h"
 #include "folder/files/fracture_writer.h"
 
 namespace sherd {
-
-/// A frame of positions: (p - center) * scale.
-struct UnitBox {
-  glm::dvec3 center{0.0};
-  double scale = 1.0;
-
-  [[nodiscard]] glm::dvec3 of(const glm::dvec3& p) const { return (p - center) * scale; }
-};
 
 /// What a fracture of an object is made from.
 struct OutputOf {
@@ -75,6 +68,7 @@ class FractureOutput {
  private:
   [[nodiscard]] NamedObject named(const FractureOptions& options) const;
   [[nodiscard]] bool isInWorld() const;
+  [[nodiscard]] std::optional<UnitBox> frameOfPoses() const;
   void record(MadeFracture& made, const FractureResult& result, const FractureOptions& options,
               const NamedFiles& names) const;
   void keepDecimated(FractureResult& result) const;

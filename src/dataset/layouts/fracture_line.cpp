@@ -28,12 +28,13 @@ std::array<double, 4> randomRotation(std::uint64_t seed, int id) {
 
 // The pose moves p to rotation * (p - centroid).  The truth is its inverse: truth_rotation, then
 // truth_translation.
-Json poseJson(const Fragment& fragment, std::uint64_t seed) {
+Json poseJson(const Fragment& fragment, const UnitBox& frame, std::uint64_t seed) {
+  const Json center = jsonOf(frame.of(fragment.mass.centroid));
   const auto [w, x, y, z] = randomRotation(seed, fragment.id);
   return {{"rotation", {w, x, y, z}},
-          {"center", jsonOf(fragment.mass.centroid)},
+          {"center", center},
           {"truth_rotation", {w, -x, -y, -z}},
-          {"truth_translation", jsonOf(fragment.mass.centroid)}};
+          {"truth_translation", center}};
 }
 
 }  // namespace
@@ -56,7 +57,7 @@ void FractureLine::setOffset(const std::optional<glm::dvec3>& offset) {
 }
 
 void FractureLine::addFragments(const FractureResult& result, const FractureFiles& names,
-                                const StagedFiles& files, bool poses) {
+                                const StagedFiles& files, const std::optional<UnitBox>& poses) {
   line_["labels"] = Json::array();
   for (const std::string& label : names.labels) line_["labels"].push_back(files.stored(label));
   line_["fragments"] = Json::array();
@@ -78,7 +79,7 @@ void FractureLine::addFragments(const FractureResult& result, const FractureFile
     for (const Contact& contact : fragment.contacts) {
       own["contacts"].push_back({contact.fragment, contact.area});
     }
-    if (poses) own["pose"] = poseJson(fragment, seed_);
+    if (poses) own["pose"] = poseJson(fragment, *poses, seed_);
     if (i >= result.kept()) {
       own["withheld"] = true;
       own["files"] = Json::array();

@@ -3,6 +3,7 @@
 
 #include <sherd/dataset.h>
 
+#include <glm/vec3.hpp>
 #include <optional>
 
 #include "dataset/journal/journal.h"
@@ -13,6 +14,14 @@ namespace sherd {
 /// The name of the intact object among an object's fractures.
 inline constexpr const char* kWholeName = "whole";
 
+/// A frame of positions: (p - center) * scale.
+struct UnitBox {
+  glm::dvec3 center{0.0};
+  double scale = 1.0;
+
+  [[nodiscard]] glm::dvec3 of(const glm::dvec3& p) const { return (p - center) * scale; }
+};
+
 /// The line of a fracture without its "files" and "archive".
 class FractureLine {
  public:
@@ -21,9 +30,9 @@ class FractureLine {
 
   ///   result  in world space, not moved into a unit box
   ///   names   file names; `files` maps them to stored names
-  ///   poses   whether to add a random pose per fragment
+  ///   poses   the frame of the positions in the files, to add a random pose per fragment
   void addFragments(const FractureResult& result, const FractureFiles& names,
-                    const StagedFiles& files, bool poses);
+                    const StagedFiles& files, const std::optional<UnitBox>& poses);
 
   /// Records what positions lack to be the input's, of an object that was recentered.
   void setOffset(const std::optional<glm::dvec3>& offset);

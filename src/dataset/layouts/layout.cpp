@@ -133,6 +133,11 @@ FractureFiles oneFile(const std::string& name, std::size_t fragments) {
 
 }  // namespace
 
+bool hasWorldPositions(DatasetLayout layout) {
+  return layout == DatasetLayout::sherd || layout == DatasetLayout::packed ||
+         layout == DatasetLayout::paper;
+}
+
 NamedFiles fractureNames(DatasetLayout layout, const NamedObject& object,
                          const PlannedFracture& fracture, std::size_t number,
                          std::size_t fragments) {

@@ -28,6 +28,9 @@ struct NamedObject {
   int longestSide = 0;  ///< voxels
 };
 
+/// Whether files have the positions of the object, and are not in a frame of the layout's own.
+[[nodiscard]] bool hasWorldPositions(DatasetLayout layout);
+
 /// Returns the names of a fracture's files.
 ///   number     index of the fracture in the object's schedule, from 0
 ///   fragments  number of those that are not withheld
