@@ -19,14 +19,17 @@
 
 namespace sherd {
 
-/// A mesh of a library.
+/// A mesh of a library, or an assemblage of several.
 struct LibraryObject {
   std::string key;             ///< path relative to the library, components separated by '/'
   std::string folder;          ///< output folder, none nested in another: the key, without
                                ///< extensions where that stays unique.  runDataset renames it
                                ///< where the layout reserves the name
-  std::filesystem::path file;  ///< path of the file
-  std::uintmax_t bytes = 0;
+  std::filesystem::path file;  ///< path of the file; empty of an assemblage
+  std::uintmax_t bytes = 0;    ///< of an assemblage, of all its parts
+  std::vector<LibraryObject> parts{};  ///< of an assemblage: its objects, then those that intruders
+                                       ///< are of, all of one split; else empty
+  std::size_t intruders = 0;           ///< the last `intruders` parts
 };
 
 struct LibraryOptions {
@@ -67,10 +70,11 @@ struct PlannedFracture {
 
 /// How many fractures each object gets, by number of pieces.
 struct Schedule {
-  int fewest = 2, most = 10;        ///< pieces: every number in this range is used
-  int repeatsOfFewest = 25;         ///< fractures into `fewest` pieces
-  int repeatsOfMost = 15;           ///< fractures into `most` pieces; between, the number is
-                                    ///< interpolated and truncated, as in the paper's program
+  int fewest = 2, most = 10;  ///< pieces: every number in this range is used; of the objects of
+                              ///< an assemblage, each has one drawn of it
+  int repeatsOfFewest = 25;   ///< fractures into `fewest` pieces
+  int repeatsOfMost = 15;     ///< fractures into `most` pieces; between, the number is
+                              ///< interpolated and truncated, as in the paper's program
   std::size_t maxFragments = 1000;  ///< per object: fractures beyond this sum are left out
 };
 
@@ -83,6 +87,21 @@ struct Schedule {
 ///   attempt  from 0; increased when a fracture was too similar to an earlier one
 [[nodiscard]] std::uint64_t fractureSeed(std::uint64_t runSeed, const std::string& sha256,
                                          const PlannedFracture& fracture, int attempt = 0);
+
+/// Assemblages: collections of fragments of several objects of the library, which take the place of
+/// its objects in a dataset.  Each object is scaled to a longest side of 1, with
+/// SolidOptions::resolution voxels, broken for itself, and set up beside the others along x; ids go
+/// through the fragments of all in a random order.  The first object is drawn among all of the
+/// library, the others among those of its split, none twice.
+struct AssemblageOptions {
+  int fewest = 1, most = 1;  ///< objects of an assemblage, 1..kMostObjects, drawn for each; `most`
+                             ///< 1: none, the library's objects are broken one by one
+  std::size_t items = 0;     ///< number of assemblages; 0: as many as the library has objects
+  double intruders = 0.0;    ///< fragments of further objects, one of each: a number if >= 1, below
+                             ///< 1 a share of the pieces asked for
+};
+
+inline constexpr int kMostObjects = 1000;
 
 /// The folder structure of a dataset, see docs/formats.md.
 enum class DatasetLayout {
@@ -108,6 +127,7 @@ struct DatasetOptions {
   /// For every fracture.  Pieces and seeds are the schedule's: where `pieces`, `seed` or given
   /// seeds are set, they are refused.
   RunOptions each{.write = {.vdb = false, .preview = false}};
+  AssemblageOptions assemblage{};
   std::vector<DrawnOption> drawn{};  ///< options whose values are drawn for each fracture
   double distinct = 0.0;  ///< least share of voxels in which two fractures of an object differ,
                           ///< 0..1, measured on at most 131,072 evenly spaced voxels
@@ -138,6 +158,13 @@ using DatasetOptionRow = OptionRow<DatasetOptions>;
 /// Returns what shapes a dataset, as text: all options that have other values than their defaults,
 /// by name.  Only a run with the same identity is resumed.
 [[nodiscard]] std::string datasetIdentity(const DatasetOptions& options);
+
+/// Draws the assemblages of a library: a function of the options, the seed and the keys of its
+/// objects.
+///   objects  of the library, of findObjects
+///   throws   Error(input) no split has as many objects as an assemblage needs
+[[nodiscard]] std::vector<LibraryObject> drawnAssemblages(const std::vector<LibraryObject>& objects,
+                                                          const DatasetOptions& options);
 
 /// The progress of a run.
 struct DatasetProgress {

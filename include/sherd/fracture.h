@@ -127,10 +127,12 @@ struct FractureResult {
   std::size_t withheld = 0;            ///< the last `withheld` fragments are withheld
   std::size_t alone = 0;  ///< with `missing`, of two kept fragments or more: those whose neighbors
                           ///< are all withheld
-  std::vector<int> parents;  ///< [fragments] of refracture: id of the old fragment that
-                             ///< each comes from; else empty
-  double sizeError = 0.0;    ///< with ShareOptions::sizes, the greatest difference of a grown
-                             ///< share from the one drawn for it, divided by that
+  std::vector<int> objectOf{};  ///< [fragments] of an assemblage (dataset.h): the object that
+                                ///< each is of, from 0; else empty
+  std::vector<int> parents;     ///< [fragments] of refracture: id of the old fragment that
+                                ///< each comes from; else empty
+  double sizeError = 0.0;       ///< with ShareOptions::sizes, the greatest difference of a grown
+                                ///< share from the one drawn for it, divided by that
   std::vector<std::string> guideWarnings{};  ///< a sentence for each of FractureOptions::guides
                                              ///< that splits nothing, or of which a part does not
   std::vector<StageTime> times;

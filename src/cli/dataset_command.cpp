@@ -202,9 +202,22 @@ std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArg
 
 }  // namespace
 
-CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
+namespace {
+
+DatasetOptions assemblageDefaults() {
+  DatasetOptions options;
+  options.assemblage.fewest = 2;
+  options.assemblage.most = 5;
+  options.poses = true;
+  return options;
+}
+
+// Adds `sherd dataset`, or `sherd assemblage`: the same with other defaults.
+CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
   CLI::App* command =
-      app.add_subcommand("dataset", "Break every mesh of a library, many times each");
+      isAssemblage
+          ? app.add_subcommand("assemblage", "Mix fragments of several objects of a library")
+          : app.add_subcommand("dataset", "Break every mesh of a library, many times each");
   auto arguments = std::make_shared<DatasetArguments>();
   command
       ->add_option(
@@ -218,6 +231,7 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
           "--replace any dataset")
       ->type_name("DIR")
       ->required();
+  if (isAssemblage) arguments->options = assemblageDefaults();
   addDatasetOptions(*command, arguments->options);
   addRunOptions(*command, *arguments);
   addMachineOptions(*command, arguments->machine);
@@ -240,7 +254,8 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
     }
     const bool isOneNumber = options.schedule.fewest == options.schedule.most;
     const bool isPaper = preset->count() > 0 && !isPly;
-    if (isOneNumber && command->count("--repeats") == 0 && !isPaper) {
+    const bool isMixed = options.assemblage.most > 1;
+    if ((isMixed || (isOneNumber && !isPaper)) && command->count("--repeats") == 0) {
       options.schedule.repeatsOfFewest = options.schedule.repeatsOfMost = 1;
     }
     for (const DrawnOption& drawn : options.drawn) {
@@ -255,6 +270,12 @@ CLI::App* addDatasetCommand(CLI::App& app, Action& run) {
   });
   return command;
 }
+
+}  // namespace
+
+CLI::App* addDatasetCommand(CLI::App& app, Action& run) { return addCommand(app, run, false); }
+
+CLI::App* addAssemblageCommand(CLI::App& app, Action& run) { return addCommand(app, run, true); }
 
 void addMergeCommand(CLI::App& app, Action& run) {
   CLI::App* command = app.add_subcommand("merge", "Join the shards of a dataset");

@@ -99,7 +99,8 @@ void parse(int argc, char** argv, Action& run) {
   const std::string version = std::string("sherd " SHERD_VERSION " (") + programLicense() + ")";
   app.set_version_flag("--version", version, "Print the version and the program's license");
   app.require_subcommand(1);
-  const CLI::App* const configured[] = {addFractureCommand(app, run), addDatasetCommand(app, run)};
+  const CLI::App* const configured[] = {addFractureCommand(app, run), addDatasetCommand(app, run),
+                                        addAssemblageCommand(app, run)};
   addMergeCommand(app, run);
   addInspectCommand(app, run);
   addConvertCommand(app, run);

@@ -10,6 +10,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/files/unfinished.h"
+#include "dataset/assemblage/draw.h"
 #include "dataset/journal/object_folder.h"
 #include "dataset/layouts/fracture_line.h"
 #include "dataset/layouts/identity.h"
@@ -136,13 +137,15 @@ DatasetForecast forecastDataset(const fs::path& library, const fs::path& out,
   DatasetForecast forecast;
   std::vector<LibraryObject> found = findObjects(library, options.library, &forecast.skipped);
   requireApart(library, found, out);
+  found = plannedObjects(found, options);
   forecast.renamed = renameReserved(options.layout, found);
   const std::vector<LibraryObject> objects = shardOf(found, options.shard);
-  const std::vector<PlannedFracture> planned = fracturesOf(options.schedule);
   forecast.objects = objects.size();
-  forecast.fractures = planned.size() * objects.size();
-  for (const PlannedFracture& fracture : planned) {
-    forecast.fragments += static_cast<std::size_t>(fracture.pieces) * objects.size();
+  for (const LibraryObject& object : objects) {
+    for (const PlannedFracture& fracture : fracturesOf(object, options)) {
+      ++forecast.fractures;
+      forecast.fragments += static_cast<std::size_t>(fracture.pieces);
+    }
   }
   Cost all;  // of the sampled objects
   for (const LibraryObject& object : sampleOf(objects)) {
@@ -155,8 +158,10 @@ DatasetForecast forecastDataset(const fs::path& library, const fs::path& out,
     all.seconds += cost->once.seconds;
     all.bytes += cost->once.bytes;
     const double span = std::max(options.schedule.most - options.schedule.fewest, 1);
-    for (const PlannedFracture& fracture : planned) {
-      const double at = (fracture.pieces - options.schedule.fewest) / span;
+    const double several =  // of an assemblage the pieces of all objects
+        static_cast<double>(std::max<std::size_t>(object.parts.size() - object.intruders, 1));
+    for (const PlannedFracture& fracture : fracturesOf(object, options)) {
+      const double at = (fracture.pieces / several - options.schedule.fewest) / span;
       all.seconds += cost->fewest.seconds + at * (cost->most.seconds - cost->fewest.seconds);
       all.bytes += cost->fewest.bytes + at * (cost->most.bytes - cost->fewest.bytes);
     }

@@ -77,7 +77,7 @@ FractureOutput::FractureOutput(OutputOf of, Journal& journal, const DatasetRun& 
       writer_(of.source, options.each.write, options.layout == DatasetLayout::bb) {}
 
 NamedObject FractureOutput::named(const FractureOptions& options) const {
-  return {of_.object,     splitOf(of_.object.key, options_.split),
+  return {of_.object,     splitOf(of_.object, options_.split),
           of_.source,     writer_.materials(),
           options,        options_.each.write,
           of_.longestSide};
@@ -134,10 +134,11 @@ MadeFracture FractureOutput::made(FractureResult result, const FractureOptions& 
   FractureLine line(origin.planned.name(), origin.planned, options.seed, origin.attempt,
                     origin.drawn);
   if (isInWorld()) line.setOffset(options_.each.write.offset);
+  if (!origin.objects.is_null()) line.setObjects(origin.objects);
   line.addFragments(result, names.files, *made.files, frameOfPoses());
   making(*made.files,
          [&] { writeFiles(*made.files, names.files, options, origin.number, result); });
-  record(made, result, options, names);
+  record(made, result, options, names, origin.objects);
   made.fragments = result.kept();
   made.line = line.json();
   run_.times.add("write", elapsedSince(begin) - made.files->packing());
@@ -147,7 +148,8 @@ MadeFracture FractureOutput::made(FractureResult result, const FractureOptions& 
 // Writes the manifest, if the layout has one, and finds triangles that cross each other in files
 // of single precision.
 void FractureOutput::record(MadeFracture& made, const FractureResult& result,
-                            const FractureOptions& options, const NamedFiles& names) const {
+                            const FractureOptions& options, const NamedFiles& names,
+                            const Json& objects) const {
   const WriteOptions& write = options_.each.write;
   const bool mayCross = isInWorld() && isExact(options, result) && writesFloats(write);
   if (names.manifest.empty() && !mayCross) return;
@@ -156,7 +158,8 @@ void FractureOutput::record(MadeFracture& made, const FractureResult& result,
   if (mayCross) made.crossingsWarning = crossingsWarning(facts, write);
   if (names.manifest.empty()) return;
   OutputFile(*made.files, names.manifest)
-      .write(manifestText(of_.source, options, result, facts, bodies, names.files, write));
+      .write(manifestText(of_.source, options, result, facts, bodies, names.files, write,
+                          objects.is_null() ? nullptr : &objects));
 }
 
 // An HDF5 file has one mesh of each fragment: the decimated one, if there is one.

@@ -22,9 +22,9 @@ namespace sherd {
 /// What a fracture of an object is made from.
 struct OutputOf {
   const LibraryObject& object;
-  const SourceMesh& source;
-  int longestSide = 0;  ///< of the solid, voxels
-  UnitBox unitBox{};    ///< of the layouts that have one
+  const SourceMesh& source;  ///< of an assemblage without a mesh
+  int longestSide = 0;       ///< of the solid, voxels
+  UnitBox unitBox{};         ///< of the layouts that have one
 };
 
 /// A fracture whose files are made.
@@ -41,6 +41,7 @@ struct FractureOrigin {
   std::size_t number = 0;  ///< in the schedule
   int attempt = 0;
   DrawnValues drawn;
+  Json objects{};  ///< of an assemblage, one for each; else null
 };
 
 /// Makes and stores fractures, from any thread.  Holds references to the arguments of its
@@ -70,7 +71,7 @@ class FractureOutput {
   [[nodiscard]] bool isInWorld() const;
   [[nodiscard]] std::optional<UnitBox> frameOfPoses() const;
   void record(MadeFracture& made, const FractureResult& result, const FractureOptions& options,
-              const NamedFiles& names) const;
+              const NamedFiles& names, const Json& objects) const;
   void keepDecimated(FractureResult& result) const;
   void writeFiles(StagedFiles& files, const FractureFiles& names, const FractureOptions& options,
                   std::size_t number, FractureResult& result) const;

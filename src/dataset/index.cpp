@@ -74,11 +74,26 @@ std::string joinedBy(const Json& list, const char* separator) {
 }
 
 // The columns of index.csv, each a key of a row.  The last is present only if an object has it.
-constexpr std::array<const char*, 24> kColumns{
+constexpr std::array kColumns{
     "object",         "fracture",          "id",     "pieces", "repeat", "attempt",  "seed",
     "split",          "options",           "voxels", "share",  "volume", "vertices", "faces",
     "contacts",       "withheld",          "labels", "files",  "sha256", "rotation", "center",
     "truth_rotation", "truth_translation", "folder"};
+
+// Those that the rows of assemblages have besides.
+constexpr std::array kAssemblageColumns{"mesh",     "mesh_number", "mesh_seed",
+                                        "intruder", "scale",       "translation"};
+
+std::vector<const char*> columnsOf(const DatasetPlan& plan) {
+  const bool hasRenamed = std::any_of(plan.objects.begin(), plan.objects.end(), isRenamed);
+  std::vector<const char*> columns(kColumns.begin(), kColumns.end() - (hasRenamed ? 0 : 1));
+  const bool areAssemblages = std::any_of(plan.objects.begin(), plan.objects.end(),
+                                          [](const auto& object) { return !object.parts.empty(); });
+  if (areAssemblages) {
+    columns.insert(columns.end(), kAssemblageColumns.begin(), kAssemblageColumns.end());
+  }
+  return columns;
+}
 
 std::string csvHead(std::span<const char* const> columns) {
   std::string head;
@@ -112,6 +127,17 @@ std::string hdf5Piece(const LibraryObject& object, const Json& line, const Json&
   return path + "/pieces/" + hdf5Key(index, hdf5Kept(line));
 }
 
+// Adds the object of an assemblage that a fragment is of.
+void addObject(Json& row, const Json& line, const Json& number) {
+  const Json& object = line.at("objects").at(number.get<std::size_t>());
+  row["mesh"] = object.at("mesh");
+  row["mesh_number"] = number;
+  row["mesh_seed"] = object.at("seed");
+  row["intruder"] = object.value("intruder", false);
+  row["scale"] = object.at("scale");
+  row["translation"] = object.at("translation");
+}
+
 // The row of a fragment.
 Json rowOf(const DatasetPlan& plan, const LibraryObject& object, const std::string& split,
            const Json& line, const Json& fragment) {
@@ -141,6 +167,7 @@ Json rowOf(const DatasetPlan& plan, const LibraryObject& object, const std::stri
   } else {
     for (const Json& file : fragment.at("files")) row["sha256"].push_back(sums[file]);
   }
+  if (fragment.contains("object")) addObject(row, line, fragment.at("object"));
   if (fragment.contains("pose")) row.update(fragment.at("pose"));
   if (line.contains("offset")) row["offset"] = line.at("offset");
   const bool isTree = plan.layout != DatasetLayout::hdf5 && plan.layout != DatasetLayout::pfpp;
@@ -183,8 +210,7 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
   DatasetStatistics statistics;
   bool complete = true;
   LineWriter csv(out / kIndexCsv), jsonl(out / kIndexJsonl), failures(out / kFailuresName);
-  const bool hasRenamed = std::any_of(plan.objects.begin(), plan.objects.end(), isRenamed);
-  const std::span columns = std::span(kColumns).first(kColumns.size() - (hasRenamed ? 0 : 1));
+  const std::vector<const char*> columns = columnsOf(plan);
   csv.add(csvHead(columns));
   std::map<std::string, std::string> lists;  // keys, by split
   std::vector<BbObject> bb;
@@ -202,7 +228,7 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
       continue;
     }
     ++statistics.objects;
-    const std::string split = splitOf(object.key, plan.split);
+    const std::string split = splitOf(object, plan.split);
     lists[split] += object.key + "\n";
     BbObject own{objectFolder(plan.layout, object), split, {}};
     for (const Json& line : journal.fractures) {

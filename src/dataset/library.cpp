@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 LibraryObject objectAt(const fs::path& file, std::string key) {
   std::error_code ignored;
   const std::uintmax_t bytes = fs::file_size(file, ignored);
-  return {std::move(key), {}, file, ignored ? 0 : bytes};
+  return {.key = std::move(key), .folder = {}, .file = file, .bytes = ignored ? 0 : bytes};
 }
 
 /// The objects below a folder, and a sentence for each skipped path.

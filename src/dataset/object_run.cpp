@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "base/uncancelled.h"
+#include "dataset/assemblage_run.h"
 #include "dataset/fracture_output.h"
 #include "dataset/growth_ahead.h"
 #include "dataset/layouts/fracture_line.h"
@@ -209,6 +210,7 @@ class ObjectRun {
 }  // namespace
 
 void runObject(const LibraryObject& object, Journal& journal, const DatasetRun& run) {
+  if (!object.parts.empty()) return runAssemblage(object, journal, run);
   ObjectRun(object, journal, run).execute();
 }
 

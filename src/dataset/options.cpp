@@ -22,6 +22,7 @@ using D = const DatasetOptions&;
 
 constexpr auto kDataset = [](auto& o) -> auto& { return o; };
 constexpr auto kSchedule = [](auto& o) -> auto& { return o.schedule; };
+constexpr auto kAssemblage = [](auto& o) -> auto& { return o.assemblage; };
 constexpr auto kLibrary = [](auto& o) -> auto& { return o.library; };
 
 std::string rangeText(int first, int last) {
@@ -51,6 +52,21 @@ void setPieces(DatasetOptions& o, const std::string& text) {
 
 void setRepeats(DatasetOptions& o, const std::string& text) {
   std::tie(o.schedule.repeatsOfFewest, o.schedule.repeatsOfMost) = rangeFrom(text, 0, 65535);
+}
+
+void setObjects(DatasetOptions& o, const std::string& text) {
+  const auto [fewest, most] = rangeFrom(text, 1, kMostObjects);
+  if (fewest > most) refuseValue(text, "a range that ascends");
+  o.assemblage.fewest = fewest;
+  o.assemblage.most = most;
+}
+
+void setIntruders(DatasetOptions& o, const std::string& text) {
+  const auto value = numberIn(text);
+  const bool good = value && *value >= 0.0 && *value <= kMostObjects &&
+                    (*value < 1.0 || *value == std::floor(*value));
+  if (!good) refuseValue(text, "a whole number of fragments up to 1000, or a share below 1");
+  o.assemblage.intruders = *value;
 }
 
 void setSplit(DatasetOptions& o, const std::string& text) {
@@ -141,6 +157,34 @@ const std::vector<Row> kScheduleRows{
      .key = "split"},
 };
 
+const std::vector<Row> kAssemblageRows{
+    {.name = "objects",
+     .group = "Assemblages",
+     .value = V::custom(OptionType::text, "A..B", setObjects,
+                        [](D o) { return rangeText(o.assemblage.fewest, o.assemblage.most); }),
+     .help = "Objects that are mixed: a number, or a range of which one is drawn for each "
+             "assemblage; 1: none are, with sherd assemblage 2..5",
+     .details = "objects of each assemblage, drawn for each. 1: the library's objects are broken "
+                "one by one. `sherd assemblage` has `2..5`",
+     .key = "objects"},
+    {.name = "items",
+     .group = "Assemblages",
+     .value = V::whole(kAssemblage, &AssemblageOptions::items, 0, 1'000'000),
+     .help = "Assemblages; 0: as many as the library has meshes",
+     .key = "items"},
+    {.name = "intruders",
+     .group = "Assemblages",
+     .value = V::custom(OptionType::text, "k|share", setIntruders,
+                        [](D o) { return shortestText(o.assemblage.intruders); }),
+     .help = "Fragments of further objects, of like size: a number, or below 1 a share of the "
+             "pieces",
+     .details = "fragments of further objects, one of each: a number (from 1) or a share (below 1) "
+                "of the pieces asked for. Each is the one whose volume is nearest to that of a "
+                "fragment of the assemblage, which is drawn, within a factor of two where that "
+                "can be; the ratio is in the manifest",
+     .key = "intruders"},
+};
+
 const std::vector<Row> kRunRows{
     {.name = "match",
      .group = "Run",
@@ -228,6 +272,7 @@ const std::vector<Row> kRunRows{
 std::span<const DatasetOptionRow> datasetOptionTable() {
   static const std::vector<Row> kTable = [] {
     std::vector<Row> all = kScheduleRows;
+    all.insert(all.end(), kAssemblageRows.begin(), kAssemblageRows.end());
     all.insert(all.end(), kRunRows.begin(), kRunRows.end());
     return all;
   }();

@@ -82,7 +82,7 @@ void requireNoLinks(const fs::path& out, const DatasetPlan& plan) {
     if (plan.layout == DatasetLayout::packed) {
       requireOwnFile(out, folder + ".zip");
     } else if (plan.layout == DatasetLayout::pfpp) {
-      const PfppNames first = pfppNames(object, splitOf(object.key, plan.split), 0);
+      const PfppNames first = pfppNames(object, splitOf(object, plan.split), 0);
       requireOwnSubfolder(out, first.points);
       requireOwnSubfolder(out, first.matches);
     } else {

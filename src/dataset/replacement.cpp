@@ -143,7 +143,7 @@ void Replacement::prepare(const DatasetPlan& plan, const std::string& identity, 
   for (const LibraryObject& object : plan.objects) {
     try {
       const JournalText journal = readJournal(fresh(), object);
-      if (journal.sha256.empty() || journal.sha256 == sumOfFile(object.file)) continue;
+      if (journal.sha256.empty() || journal.sha256 == sumOfObject(object)) continue;
     } catch (const Error&) {  // damaged
     }
     ::unlink((fresh() / journalName(object)).c_str());

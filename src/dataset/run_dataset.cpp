@@ -13,6 +13,8 @@
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
 #include "base/files/file_bytes.h"
+#include "dataset/assemblage/draw.h"
+#include "dataset/assemblage_run.h"
 #include "dataset/index.h"
 #include "dataset/journal/failure.h"
 #include "dataset/journal/object_folder.h"
@@ -52,6 +54,26 @@ void makeFolder(const fs::path& out) {
   throw Error(ErrorCode::output, out.string() + ": cannot be made: " + reasonOf(failed.value()));
 }
 
+// Refuses to go on where an assemblage would be of other objects: they are drawn among all of the
+// library.
+void requireSameAssemblages(const fs::path& out, const DatasetPlan& before,
+                            const DatasetPlan& plan) {
+  const auto keys = [](const DatasetPlan& of) {
+    std::vector<std::string> all;
+    for (const LibraryObject& object : of.objects) {
+      if (!object.parts.empty()) all.push_back(object.key);
+      for (const LibraryObject& part : object.parts) all.push_back(part.key);
+    }
+    return all;
+  };
+  if (keys(before) == keys(plan)) return;
+  throw Error(ErrorCode::usage,
+              out.string() +
+                  ": its assemblages were drawn among other meshes; give the same library, or "
+                  "replace it",
+              OptionNames{"replace"});
+}
+
 // Prepares the folder for this run.
 void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOptions& options) {
   if (hasPlan(out)) {
@@ -69,6 +91,7 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOp
                   out.string() + ": contains this dataset already; resume it, or replace it",
                   OptionNames{"resume", "replace"});
     }
+    requireSameAssemblages(out, before, plan);
     if (readFileBytes(out / kPlanName) != planText(plan)) writePlan(out, plan);
     return;
   }
@@ -88,14 +111,15 @@ class LibraryRun {
       : out_(out), plan_(plan), options_(options), device_(device), callbacks_(callbacks) {}
 
   void execute(const std::vector<LibraryObject>& objects) {
-    const std::size_t each = fracturesOf(options_.schedule).size();
     progress_.ofObjects = objects.size();
-    progress_.ofFractures = each * objects.size();
+    for (const LibraryObject& object : objects) {
+      progress_.ofFractures += fracturesOf(object, options_).size();
+    }
     for (const LibraryObject& object : objects) {
       progress_.object = object.key;
+      const std::size_t each = fracturesOf(object, options_).size();
       Journal journal(out_, object);
-      if (journal.text().failed && isTriedAgain(*journal.text().failed, object.file))
-        journal.clear();
+      if (journal.text().failed && isTriedAgain(*journal.text().failed, object)) journal.clear();
       clearIfLost(object, journal);
       if (journal.text().done || journal.text().failed) {
         progress_.ofFractures -= each;
@@ -137,9 +161,11 @@ class LibraryRun {
     const auto found = std::lower_bound(
         plan_.objects.begin(), plan_.objects.end(), object,
         [](const LibraryObject& a, const LibraryObject& b) { return a.key < b.key; });
-    const std::set<std::string> thumbnails = thumbnailFractures(
-        options_.schedule, static_cast<std::size_t>(found - plan_.objects.begin()),
-        plan_.objects.size());
+    const auto number = static_cast<std::size_t>(found - plan_.objects.begin());
+    const std::set<std::string> thumbnails =
+        object.parts.empty()
+            ? thumbnailFractures(options_.schedule, number, plan_.objects.size())
+            : thumbnailFractures(fracturesOf(object, options_), number, plan_.objects.size());
     const DatasetRun run{out_,
                          options_,
                          device_,
@@ -173,7 +199,7 @@ class LibraryRun {
   void fail(const LibraryObject& object, Journal& journal, const Error& reason, std::size_t each) {
     discardStored(storeOf(out_, object, options_));
     device_.freeBuffers();
-    journal.fail({reason.what(), sumOfFile(object.file), isPassing(reason)});
+    journal.fail({reason.what(), sumOfObject(object), isPassing(reason)});
     progress_.ofFractures -= std::min(each, progress_.ofFractures);
     if (callbacks_.failed) callbacks_.failed(object.key, reason);
   }
@@ -210,10 +236,11 @@ DatasetSummary runIn(const fs::path& out, const fs::path& library, const Dataset
                      Device& device, const DatasetCallbacks& callbacks) {
   const DatasetOptions options = checkedOptions(given);
   std::vector<std::string> warnings;
-  DatasetPlan plan{datasetIdentity(given), findObjects(library, options.library, &warnings),
-                   options.layout, options.split, options.seed};
+  const std::vector<LibraryObject> found = findObjects(library, options.library, &warnings);
+  DatasetPlan plan{datasetIdentity(given), plannedObjects(found, options), options.layout,
+                   options.split, options.seed};
   const std::size_t skipped = warnings.size();
-  requireApart(library, plan.objects, out);
+  requireApart(library, found, out);
   for (std::string& renamed : renameReserved(plan.layout, plan.objects)) {
     warnings.push_back(std::move(renamed));
   }
@@ -295,9 +322,10 @@ void requireObjects(const fs::path& out, const DatasetSummary& summary, Replacem
 DatasetSummary replaceIn(const fs::path& out, const fs::path& library, DatasetOptions given,
                          Device& device, const DatasetCallbacks& callbacks) {
   const DatasetOptions options = checkedOptions(given);
-  DatasetPlan plan{datasetIdentity(given), findObjects(library, options.library), options.layout,
+  const std::vector<LibraryObject> found = findObjects(library, options.library);
+  DatasetPlan plan{datasetIdentity(given), plannedObjects(found, options), options.layout,
                    options.split, options.seed};
-  requireApart(library, plan.objects, out);
+  requireApart(library, found, out);
   (void)renameReserved(plan.layout, plan.objects);  // runIn reports them
   Replacement replacement(out, options.shard.of > 1);
   std::set<std::string> entries{kJournalFolder};

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "dataset/assemblage/draw.h"
 #include "dataset/index.h"
 #include "dataset/journal/object_folder.h"
 #include "dataset/layouts/pfpp.h"
@@ -21,8 +22,8 @@ StorePlace storeOf(const std::filesystem::path& out, const LibraryObject& object
                    .archive = archive};
   if (options.layout == DatasetLayout::pfpp) {
     place.folder.clear();
-    place.names = pfppFilesOf(object, splitOf(object.key, options.split),
-                              fracturesOf(options.schedule).size());
+    place.names =
+        pfppFilesOf(object, splitOf(object, options.split), fracturesOf(object, options).size());
   }
   return place;
 }

@@ -22,7 +22,7 @@ HERE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(HERE / "tests"))
 import recipes  # noqa: E402
 ROOT = pathlib.Path(os.environ.get("SHERD_DOCUMENTS", HERE))
-COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "view", "options", "devices", "doctor")
+COMMANDS = ("fracture", "dataset", "assemblage", "merge", "inspect", "convert", "evaluate", "render", "view", "options", "devices", "doctor")
 
 # Not of this project: names of other libraries, and files of examples.
 FOREIGN = set("""math/Mat3.h Mat3.h Coord.h version.h InteriorTest UNSIGNED_DISTANCE_FIELD meshToVolume Surface_mesh_simplification
@@ -168,7 +168,7 @@ class Options(unittest.TestCase):
             self.assertIn("sherd " + command, sections(text_of("docs/cli.md")))
 
     def expected(self, command):
-        if command != "dataset":
+        if command not in ("dataset", "assemblage"):
             return documented(command)
         text = sections(text_of("docs/cli.md"))["sherd dataset"]
         less = re.search(r"All options of `sherd fracture` but (.*?) are\s+there", text, flags=re.S).group(1)
@@ -205,7 +205,9 @@ class Options(unittest.TestCase):
                     if real.choices:
                         self.assertEqual(documented_option.choices, real.choices)
                     default = documented_option.default
-                    if command == "dataset" and name == "--write":
+                    if (command, name) == ("assemblage", "--objects"):
+                        default = "2..5"
+                    if command in ("dataset", "assemblage") and name == "--write":
                         default = re.search(r"`--write` is `([^`]+)`", sections(text_of("docs/cli.md"))["sherd dataset"]).group(1)
                     if real.default is not None:
                         self.assertEqual((default or "").split(" (")[0].strip("`"), real.default)
@@ -487,7 +489,7 @@ class Commands(CommandLine):
         """On small files of the names that they have; the gallery's are run for its images, the tour's below."""
         folder = pathlib.Path(self.tmp)
         shutil.copytree(HERE / "data", folder / "data")
-        for name in "bowl.obj", "vessels/bowl.obj", "library/bowl.obj":
+        for name in "bowl.obj", "vessels/bowl.obj", "library/bowl.obj", *(f"pots/{i}.obj" for i in range(6)):
             (folder / name).parent.mkdir(exist_ok=True)
             write_obj(folder / name, sphere(8, 16))
         shutil.copy(folder / "data" / "amphora.ply", folder / "vase.ply")
@@ -521,7 +523,7 @@ class Readme(CommandLine):
         self.prepare(folder)
         commands = self.commands()
         self.assertGreater(len(commands), 15)
-        self.assertEqual({c.split()[1] for c in commands}, set(COMMANDS) - {"merge"})
+        self.assertEqual({c.split()[1] for c in commands}, set(COMMANDS) - {"merge", "assemblage"})
         for command in commands:
             with self.subTest(command=command):
                 arguments = command.split()[1:]

@@ -37,7 +37,7 @@ def check_below(folder):
 def check_run(arguments, status, folder=None):
     """After a run of sherd in a folder: check what it wrote, if it was one that writes manifests and it says that it did."""
     arguments = [str(a) for a in arguments]
-    if status != 0 or not arguments or arguments[0] not in ("fracture", "dataset"):
+    if status != 0 or not arguments or arguments[0] not in ("fracture", "dataset", "assemblage"):
         return 0
     outputs = [b for a, b in zip(arguments, arguments[1:]) if a in ("-o", "--output")]
     return sum(check_below(os.path.join(folder or "", output)) for output in outputs)

@@ -12,7 +12,7 @@ import unittest
 import skipping
 from cli_test import CommandLine, sphere, tree
 
-COMMANDS = ("fracture", "dataset", "merge", "inspect", "convert", "evaluate", "render", "view", "devices")
+COMMANDS = ("fracture", "dataset", "assemblage", "merge", "inspect", "convert", "evaluate", "render", "view", "devices")
 
 
 class StandardOutput(CommandLine):

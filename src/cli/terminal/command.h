@@ -17,6 +17,7 @@ using Action = std::function<void()>;
 /// Each function adds a sub-command; parsing it sets `run`.
 CLI::App* addFractureCommand(CLI::App& app, Action& run);
 CLI::App* addDatasetCommand(CLI::App& app, Action& run);
+CLI::App* addAssemblageCommand(CLI::App& app, Action& run);
 void addMergeCommand(CLI::App& app, Action& run);
 void addInspectCommand(CLI::App& app, Action& run);
 void addConvertCommand(CLI::App& app, Action& run);

@@ -41,8 +41,24 @@ std::string sumOfFile(const std::filesystem::path& file) try {
   return {};
 }
 
-bool isTriedAgain(const FailedObject& failed, const std::filesystem::path& file) {
-  return failed.isPassing || sumOfFile(file) != failed.sha256;
+std::string sumOfSums(const std::vector<std::string>& sums) {
+  std::string all;
+  for (const std::string& sum : sums) all += sum + "\n";
+  return sha256(all);
+}
+
+std::string sumOfObject(const LibraryObject& object) {
+  if (object.parts.empty()) return sumOfFile(object.file);
+  std::vector<std::string> sums;
+  for (const LibraryObject& part : object.parts) {
+    sums.push_back(sumOfFile(part.file));
+    if (sums.back().empty()) return {};
+  }
+  return sumOfSums(sums);
+}
+
+bool isTriedAgain(const FailedObject& failed, const LibraryObject& object) {
+  return failed.isPassing || sumOfObject(object) != failed.sha256;
 }
 
 }  // namespace sherd

@@ -23,7 +23,13 @@ namespace sherd {
 /// Returns a file's SHA-256; empty if it can't be read.
 [[nodiscard]] std::string sumOfFile(const std::filesystem::path& file);
 
+/// Returns the sum of an assemblage, by those of the files of its parts.
+[[nodiscard]] std::string sumOfSums(const std::vector<std::string>& sums);
+
+/// Returns the sum of an object's file, or of an assemblage; empty if a file can't be read.
+[[nodiscard]] std::string sumOfObject(const LibraryObject& object);
+
 /// Whether a failed object is broken again: its failure may pass, or its file has changed.
-[[nodiscard]] bool isTriedAgain(const FailedObject& failed, const std::filesystem::path& file);
+[[nodiscard]] bool isTriedAgain(const FailedObject& failed, const LibraryObject& object);
 
 }  // namespace sherd

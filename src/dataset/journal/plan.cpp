@@ -46,8 +46,17 @@ std::array<int, 3> splitOf(const Json& shares) {
 
 LibraryObject objectOf(const Json& json) {
   if (!json.is_object()) fields::damaged("an entry of \"objects\" is not an object");
-  LibraryObject object{
-      fields::text(json, "key"), fields::text(json, "folder"), {}, fields::count(json, "bytes")};
+  LibraryObject object{.key = fields::text(json, "key"),
+                       .folder = fields::text(json, "folder"),
+                       .file = {},
+                       .bytes = fields::count(json, "bytes")};
+  if (json.contains("parts")) {
+    for (const Json& key : fields::list(json, "parts")) {
+      if (!key.is_string()) fields::damaged("an entry of \"parts\" is not text");
+      object.parts.push_back({.key = key, .folder = {}, .file = {}});
+    }
+    object.intruders = fields::count(json, "intruders", 0, object.parts.size());
+  }
   if (!isBelowFolder(object.folder)) {
     fields::damaged("puts an object into '" + object.folder +
                     "', which leaves the dataset's folder");
@@ -75,6 +84,11 @@ std::string planText(const DatasetPlan& plan) {
   Json objects = Json::array();
   for (const LibraryObject& object : plan.objects) {
     objects.push_back({{"key", object.key}, {"folder", object.folder}, {"bytes", object.bytes}});
+    if (object.parts.empty()) continue;
+    Json& own = objects.back();
+    own["parts"] = Json::array();
+    for (const LibraryObject& part : object.parts) own["parts"].push_back(part.key);
+    own["intruders"] = object.intruders;
   }
   const Json json = {
       {"schema", kSchema},    {"layout", names::of(names::kDatasetLayout, plan.layout)},

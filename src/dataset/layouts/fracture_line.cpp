@@ -56,6 +56,8 @@ void FractureLine::setOffset(const std::optional<glm::dvec3>& offset) {
   if (offset) line_["offset"] = jsonOf(*offset);
 }
 
+void FractureLine::setObjects(Json objects) { line_["objects"] = std::move(objects); }
+
 void FractureLine::addFragments(const FractureResult& result, const FractureFiles& names,
                                 const StagedFiles& files, const std::optional<UnitBox>& poses) {
   line_["labels"] = Json::array();
@@ -76,6 +78,7 @@ void FractureLine::addFragments(const FractureResult& result, const FractureFile
         {"faces", isMeshed ? fragment.mesh.triangles.size()
                            : result.surfaces->triangles(static_cast<std::uint16_t>(i + 1))},
         {"contacts", Json::array()}};
+    if (!result.objectOf.empty()) own["object"] = result.objectOf[i];
     for (const Contact& contact : fragment.contacts) {
       own["contacts"].push_back({contact.fragment, contact.area});
     }

@@ -37,6 +37,9 @@ class FractureLine {
   /// Records what positions lack to be the input's, of an object that was recentered.
   void setOffset(const std::optional<glm::dvec3>& offset);
 
+  /// Records the objects of an assemblage: for each `mesh`, its key in the library, and more.
+  void setObjects(Json objects);
+
   [[nodiscard]] const Json& json() const { return line_; }
 
  private:

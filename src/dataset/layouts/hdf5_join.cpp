@@ -94,7 +94,7 @@ class Joining {
       for (const LibraryObject* object : objects) {
         throwIfCancelled(progress);
         if (const auto done = finished(out_, *object)) {
-          lists.add(hdf5Group(*object), splitOf(object->key, plan_.split), countsOf(*done));
+          lists.add(hdf5Group(*object), splitOf(*object, plan_.split), countsOf(*done));
         }
       }
       Hdf5Writer writer(file.temporary(), (out_ / name).string());

@@ -4,6 +4,7 @@
 #include <sherd/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -146,6 +147,37 @@ void checkPfpp(const DatasetOptions& options) {
        "the layout pfpp holds at most 8192 fractures of an object");
 }
 
+void checkAssemblages(const DatasetOptions& options) {
+  const AssemblageOptions& asked = options.assemblage;
+  need(asked.fewest >= 1 && asked.fewest <= asked.most && asked.most <= kMostObjects,
+       "objects of an assemblage are a range within 1..1000");
+  need(asked.intruders >= 0.0 && asked.intruders <= kMostObjects &&
+           (asked.intruders < 1.0 || asked.intruders == std::floor(asked.intruders)),
+       "intruders are a whole number up to 1000, or a share below 1");
+  if (asked.most == 1) {
+    need(asked.items == 0 && asked.intruders == 0.0,
+         "items and intruders are those of assemblages, of two objects or more");
+    return;
+  }
+  need(options.schedule.repeatsOfFewest == options.schedule.repeatsOfMost,
+       "each assemblage is broken equally often; give one number of repeats");
+  need(options.distinct == 0.0, "fractures of assemblages are not compared with each other");
+  need(options.each.fracture.solid.voxelSize == 0.0,
+       "objects of an assemblage have a longest side of 1; give a resolution");
+  need(!options.each.recenter,
+       "objects of an assemblage stand beside one another; recenter does not move them");
+  const std::size_t most =
+      static_cast<std::size_t>(options.schedule.most) * static_cast<std::size_t>(asked.most);
+  need(most <= options.schedule.maxFragments,
+       "an assemblage of the most objects, each in the most pieces, exceeds the most fragments of "
+       "an object; ask for fewer, or give a greater max-fragments");
+  const auto intruders = static_cast<std::size_t>(
+      asked.intruders < 1.0 ? std::ceil(asked.intruders * static_cast<double>(most))
+                            : asked.intruders);
+  need(options.layout != DatasetLayout::pfpp || most + intruders <= kPfppParts,
+       "the layout pfpp holds at most 20 pieces of all objects and intruders");
+}
+
 void check(const DatasetOptions& options) {
   const Schedule& schedule = options.schedule;
   need(schedule.fewest >= 1 && schedule.fewest <= schedule.most && schedule.most <= kMaxFragments,
@@ -162,6 +194,7 @@ void check(const DatasetOptions& options) {
        "a split is three shares, such as 80/10/10");
   need(options.layout != DatasetLayout::bb || options.each.write.meshFormats.size() == 1,
        "the layout bb takes one format of meshes");
+  checkAssemblages(options);
   if (options.layout == DatasetLayout::hdf5) checkHdf5(options);
   if (options.layout == DatasetLayout::pfpp) checkPfpp(options);
   const FractureOptions& each = options.each.fracture;

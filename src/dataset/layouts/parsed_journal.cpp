@@ -61,8 +61,30 @@ void checkPose(const Json& pose) {
   }
 }
 
-void checkFragment(const Json& fragment, const Names& files) {
+// Returns the number of objects of an assemblage.
+std::size_t checkObjects(const Json& line) {
+  const Json& objects = fields::list(line, "objects");
+  for (const Json& object : objects) {
+    if (!object.is_object()) fields::damaged("\"objects\" has an entry that is no object");
+    (void)fields::text(object, "mesh");
+    (void)fields::count(object, "seed");
+    fields::requireNumber(object, "scale");
+    const Json& translation = fields::list(object, "translation");
+    const auto isNumber = [](const Json& value) { return value.is_number(); };
+    if (translation.size() != 3 || !std::ranges::all_of(translation, isNumber))
+      fields::damaged("a translation is not three numbers");
+    if (object.contains("intruder"))
+      (void)fields::get(object, "intruder", &Json::is_boolean, "true or false");
+  }
+  return objects.size();
+}
+
+void checkFragment(const Json& fragment, const Names& files, std::size_t objects) {
   if (!fragment.is_object()) fields::damaged("a fragment is not an object");
+  if (fragment.contains("object")) {
+    if (objects == 0) fields::damaged("a fragment is of an object that is not there");
+    (void)fields::count(fragment, "object", 0, objects - 1);
+  }
   (void)fields::count(fragment, "id", 1, kMaxFragments);
   for (const char* key : {"voxels", "vertices", "faces"}) (void)fields::count(fragment, key);
   for (const char* key : {"share", "volume"}) fields::requireNumber(fragment, key);
@@ -94,9 +116,11 @@ void checkFracture(const Json& line) {
        fields::get(line, "options", &Json::is_object, "an object").items()) {
     if (!value.is_string()) fields::damaged("option " + option + " is not text");
   }
+  const std::size_t objects = line.contains("objects") ? checkObjects(line) : 0;
   const Names files = namesOf(line);
   requireListed(fields::list(line, "labels"), files);
-  for (const Json& fragment : fields::list(line, "fragments")) checkFragment(fragment, files);
+  for (const Json& fragment : fields::list(line, "fragments"))
+    checkFragment(fragment, files, objects);
 }
 
 FailedObject failedObject(const Json& line) {

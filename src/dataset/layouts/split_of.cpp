@@ -16,4 +16,8 @@ std::string splitOf(const std::string& key, const std::array<int, 3>& shares) {
   return bucket < shares[0] + shares[1] ? "val" : "test";
 }
 
+std::string splitOf(const LibraryObject& object, const std::array<int, 3>& shares) {
+  return splitOf(object.parts.empty() ? object.key : object.parts.front().key, shares);
+}
+
 }  // namespace sherd

@@ -46,6 +46,16 @@ std::set<std::string> thumbnailFractures(const Schedule& schedule, std::size_t o
   return names;
 }
 
+std::set<std::string> thumbnailFractures(const std::vector<PlannedFracture>& planned,
+                                         std::size_t object, std::size_t objects) {
+  if (!hasThumbnail(object, objects)) return {};
+  std::set<std::string> names{kWholeName};
+  const std::size_t each =
+      std::max<std::size_t>(kMaxThumbnails / std::max<std::size_t>(objects, 1), 1);
+  for (std::size_t k = 0; k < std::min(each, planned.size()); ++k) names.insert(planned[k].name());
+  return names;
+}
+
 std::string thumbnailName(const LibraryObject& object, const std::string& fracture) {
   return std::filesystem::path(journalName(object))
       .replace_extension("." + fracture + ".png")

@@ -23,6 +23,10 @@ constexpr int kThumbnailSide = 200;         ///< pixels
 [[nodiscard]] std::set<std::string> thumbnailFractures(const Schedule& schedule, std::size_t object,
                                                        std::size_t objects);
 
+/// The same of an assemblage: the first fractures.
+[[nodiscard]] std::set<std::string> thumbnailFractures(const std::vector<PlannedFracture>& planned,
+                                                       std::size_t object, std::size_t objects);
+
 /// Whether an object has thumbnails.
 [[nodiscard]] bool hasThumbnail(std::size_t object, std::size_t objects);
 

@@ -313,7 +313,7 @@ Json breakJson(const SourceMesh& source, const FractureOptions& options,
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                          const FractureResult& result, std::span<const MeshFacts> facts,
                          const InputBodies& bodies, const FractureFiles& files,
-                         const WriteOptions& write) {
+                         const WriteOptions& write, const Json* assemblage) {
   const bool isRefracture = !result.parents.empty();
   Json manifest = breakJson(source, options, result, write);
   if (!source.mesh.triangles.empty() && !isRefracture)
@@ -325,6 +325,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   if (!result.exactFailure.empty()) manifest["exact_failure"] = result.exactFailure;
   if (!result.smooth.empty()) manifest["smooth_bodies"] = smoothJson(source, result.smooth);
   if (write.offset) manifest["offset"] = jsonOf(*write.offset);
+  if (assemblage != nullptr) manifest["assemblage"] = *assemblage;
   manifest["grid"] = gridJson(source, options, result);
   const double unit = vdbUnitOf(result.solid.frame.voxelSize, write.vdbOptions.half);
   const bool hasVdb = !files.vdb.empty() || !files.allVdb.empty() || !files.solidVdb.empty();
@@ -340,7 +341,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
                                   {"voxels", result.solid.smallComponentVoxels}};
   manifest["fragments"] = Json::array();
   manifest["withheld"] = Json::array();
-  const bool isSplit = ruleOf(options.grow.growth).splits && !isRefracture;
+  const bool isSplit = ruleOf(options.grow.growth).splits && !isRefracture && assemblage == nullptr;
   const SplitParents parents = parentsOf(result.labels.splits, result.fragments.size());
   if (isSplit) manifest["splits"] = splitsJson(result, parents);
   std::vector<Json> seeds = seedPositions(result);
@@ -349,6 +350,7 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
     Json fragment =
         fragmentJson(result.fragments[i], facts[i], result, bodies.count > 0, std::move(seeds[i]),
                      isKept ? filesJson(files, i) : Json::object());
+    if (!result.objectOf.empty()) fragment["object"] = result.objectOf[i];
     if (!isKept) {
       if (isSplit) fragment["split"] = parents.ofFragment[i];
       manifest["withheld"].push_back(std::move(fragment));

@@ -56,9 +56,11 @@ struct MeshFacts {
 /// equal fractures give equal bytes.  The fragments' meshes and level sets are not used.
 ///   facts   [fragments] as returned by meshFacts
 ///   bodies  of the input
+///   assemblage  of several objects: one JSON object for each; else null
 [[nodiscard]] std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                                        const FractureResult& result,
                                        std::span<const MeshFacts> facts, const InputBodies& bodies,
-                                       const FractureFiles& files, const WriteOptions& write);
+                                       const FractureFiles& files, const WriteOptions& write,
+                                       const nlohmann::ordered_json* assemblage = nullptr);
 
 }  // namespace sherd

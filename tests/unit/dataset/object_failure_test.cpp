@@ -61,14 +61,14 @@ TEST(ObjectFailures, AnotherFileIsTriedAgain) {
   const OwnFolder folder;
   const std::filesystem::path file = folder.path() / "a.obj";
   const auto write = [&](const char* text) { std::ofstream(file) << text; };
-  EXPECT_FALSE(isTriedAgain({"absent", "", false}, file));
-  EXPECT_TRUE(isTriedAgain({"absent", "", true}, file));
+  EXPECT_FALSE(isTriedAgain({"absent", "", false}, {.key = "k", .folder = {}, .file = file}));
+  EXPECT_TRUE(isTriedAgain({"absent", "", true}, {.key = "k", .folder = {}, .file = file}));
   write("no mesh");
   const std::string sum = sumOfFile(file);
-  EXPECT_TRUE(isTriedAgain({"absent", "", false}, file));
-  EXPECT_FALSE(isTriedAgain({"no mesh", sum, false}, file));
+  EXPECT_TRUE(isTriedAgain({"absent", "", false}, {.key = "k", .folder = {}, .file = file}));
+  EXPECT_FALSE(isTriedAgain({"no mesh", sum, false}, {.key = "k", .folder = {}, .file = file}));
   write("another");
-  EXPECT_TRUE(isTriedAgain({"no mesh", sum, false}, file));
+  EXPECT_TRUE(isTriedAgain({"no mesh", sum, false}, {.key = "k", .folder = {}, .file = file}));
 }
 
 // A device that is lost, and may come back.
