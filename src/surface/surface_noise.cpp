@@ -94,6 +94,55 @@ std::vector<double> toBoundary(const TriangleMesh& mesh, const std::vector<std::
   return distance;
 }
 
+// Corners of a triangle move apart by at most these shares of its height, in its plane and across.
+constexpr double kMostShear = 0.25, kMostSlope = 2.0;
+constexpr int kMostPasses = 32;
+
+// Whether displacements move the corners of a triangle too far apart.
+bool isTorn(const TriangleMesh& mesh, const glm::uvec3& t, const std::vector<glm::dvec3>& by) {
+  const glm::dvec3 a = mesh.vertices[t.y] - mesh.vertices[t.x],
+                   b = mesh.vertices[t.z] - mesh.vertices[t.y], c = a + b;
+  const double longest = std::sqrt(std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)}));
+  const glm::dvec3 across = glm::cross(a, b);
+  const double area = glm::length(across);
+  const auto isFar = [&](const glm::dvec3& way) {
+    const double along = glm::dot(way, across);
+    const double within =
+        std::sqrt(std::max(glm::dot(way, way) * area * area - along * along, 0.0));
+    return longest * within > kMostShear * area * area ||
+           longest * std::abs(along) > kMostSlope * area * area;
+  };
+  return isFar(by[t.y] - by[t.x]) || isFar(by[t.z] - by[t.y]) || isFar(by[t.x] - by[t.z]);
+}
+
+// Moves vertices. Where the corners of a triangle would move too far apart, as of one whose height
+// is less than what noise moves it by, they move alike, by the mean, so that none turns over.
+//   by  [vertices] displacements; where they are 0 a vertex stays, and those beside it move less
+void moveUnfolded(TriangleMesh& mesh, std::vector<glm::dvec3> by) {
+  std::vector<bool> stays(by.size());
+  for (std::size_t v = 0; v < by.size(); ++v) stays[v] = by[v] == glm::dvec3(0.0);
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    std::vector<glm::dvec3> sum(by.size());
+    std::vector<int> count(by.size());
+    for (const glm::uvec3& t : mesh.triangles) {
+      if (!isTorn(mesh, t, by)) continue;
+      const glm::dvec3 mean = (by[t.x] + by[t.y] + by[t.z]) / 3.0;
+      for (int k = 0; k < 3; ++k) {
+        sum[t[k]] += mean;
+        ++count[t[k]];
+      }
+    }
+    bool isAny = false;
+    for (std::size_t v = 0; v < by.size(); ++v) {
+      if (count[v] == 0 || stays[v]) continue;
+      by[v] = sum[v] / static_cast<double>(count[v]);
+      isAny = true;
+    }
+    if (!isAny) break;
+  }
+  for (std::size_t v = 0; v < by.size(); ++v) mesh.vertices[v] += by[v];
+}
+
 // Returns 0 at 0, 1 from 1 on, with a continuous slope.
 double faded(double x) { return x >= 1.0 ? 1.0 : x * x * (3.0 - 2.0 * x); }
 
@@ -122,23 +171,27 @@ void SurfaceNoise::moveCracks(TriangleMesh& mesh, std::uint16_t id) const {
   const std::vector<double> distance = toBoundary(mesh, contact, frame_.voxelSize, fade);
   const SelfAffineNoise own(*cracks_, randomBits(seed_, Stage::mismatch, id));
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  std::vector<glm::dvec3> by(contact.size());
   for (std::size_t v = 0; v < contact.size(); ++v) {
     if (contact[v] == kOriginal || contact[v] == kBoundary) continue;
     const glm::dvec3 at = frame_.indexFromWorld(mesh.vertices[v]);
     double height = ownShare_ * own.at(at);
     // Outwards for the one is inwards for the other.
     if (common_) height += (id < contact[v] ? 1.0 : -1.0) * commonShare_ * common_->at(at);
-    mesh.vertices[v] += faded(distance[v] / fade) * height * frame_.voxelSize * normals[v];
+    by[v] = faded(distance[v] / fade) * height * frame_.voxelSize * normals[v];
   }
+  moveUnfolded(mesh, std::move(by));
 }
 
 void SurfaceNoise::moveAll(TriangleMesh& mesh, std::uint16_t id) const {
   const SelfAffineNoise noise(*all_, randomBits(seed_, Stage::scanNoise, id));
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+  std::vector<glm::dvec3> by(mesh.vertices.size());
+  for (std::size_t v = 0; v < by.size(); ++v) {
     const double height = noise.at(frame_.indexFromWorld(mesh.vertices[v]));
-    mesh.vertices[v] += height * frame_.voxelSize * normals[v];
+    by[v] = height * frame_.voxelSize * normals[v];
   }
+  moveUnfolded(mesh, std::move(by));
 }
 
 }  // namespace sherd

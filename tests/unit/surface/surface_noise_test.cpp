@@ -3,6 +3,7 @@
 #include <sherd/error.h>
 #include <sherd/fracture.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -119,6 +120,35 @@ TEST(SurfaceNoise, HasTheRmsAskedForAwayFromBoundaries) {
   ASSERT_GT(count, 5000u);
   const double rms = std::sqrt(sum / static_cast<double>(count));
   EXPECT_NEAR(rms / (0.002 * diagonal(ball)), 1.0, 0.08);
+}
+
+std::size_t turnedOver(const TriangleMesh& before, const TriangleMesh& after) {
+  const auto normal = [](const TriangleMesh& mesh, const glm::uvec3& t) {
+    return glm::cross(mesh.vertices[t.y] - mesh.vertices[t.x],
+                      mesh.vertices[t.z] - mesh.vertices[t.x]);
+  };
+  return static_cast<std::size_t>(std::count_if(
+      before.triangles.begin(), before.triangles.end(),
+      [&](const glm::uvec3& t) { return glm::dot(normal(before, t), normal(after, t)) < 0.0; }));
+}
+
+// Meshes of independent interfaces have vertices that are closer than the noise moves them.
+TEST(SurfaceNoise, TurnsNoTriangleOver) {
+  Device device("builtin");
+  FractureOptions options{.pieces = 6, .seed = 5, .solid = {.resolution = 48}};
+  options.surface.surface = Surface::smooth;
+  options.surface.interface = Interface::independent;
+  const TriangleMesh ball = shapes::ball(1.0, 4);
+  const FractureResult plain = fracture(ball, options, device);
+  for (const auto& [mismatch, scan] : {std::pair(0.3, 0.0), std::pair(0.0, 0.1)}) {
+    options.surface.mismatch.rms = mismatch;
+    options.surface.scanNoise.rms = scan;
+    const FractureResult moved = fracture(ball, options, device);
+    for (std::size_t i = 0; i < plain.fragments.size(); ++i) {
+      EXPECT_EQ(turnedOver(plain.fragments[i].mesh, moved.fragments[i].mesh), 0u)
+          << mismatch << ", " << scan << ", " << i;
+    }
+  }
 }
 
 // The positions of vertices within contacts: by neighbor pair, before and after.
