@@ -96,7 +96,7 @@ sherd_room(sherd formats/images exr png)
 
 # Folders and datasets: nothing of it is slow.
 sherd_room(sherd_folders chart charts evaluation_plot statistics_plot svg)
-sherd_room(sherd_folders options coordinates draw growth_rows output_rows parsed recenter record rules solid_rows table)
+sherd_room(sherd_folders options coordinates draw growth_rows output_rows parsed preset_draws recenter record rules solid_rows table)
 sherd_room(sherd_folders viewer encode page simplify)
 sherd_room(sherd_folders folder/manifest
   again file_names fracture_folder input_bodies listed_files manifest mesh_report own_files partial_folder read_manifest rounding

@@ -84,7 +84,8 @@ struct FractureOptions {
 
 /// Returns options for data that networks learn to assemble from: no vertex of a fragment is one of
 /// its neighbors', cracks are not planes, sizes are uneven, and no fragment is a speck.  Sizes and
-/// cracks are as near to those of Breaking Bad as seeds make them (docs/training.md).
+/// cracks are as near to those of Breaking Bad as seeds make them (docs/training.md).  The option
+/// `--preset training` draws roughness, mismatch, noise and missing fragments too (presetDraws).
 [[nodiscard]] FractureOptions trainingOptions();
 
 /// Returns `options` with those by which a material breaks: growth, splits, grain, roughness, sizes

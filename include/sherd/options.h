@@ -222,6 +222,15 @@ struct DrawnOption {
 [[nodiscard]] std::optional<DrawnOption> drawnOption(std::string_view name,
                                                      const std::string& text);
 
+/// Returns what a preset draws for each fracture by its seed, beside the options that it sets:
+/// ranges of `roughness`, `missing`, `mismatch` and `scan-noise` for "training", nothing for
+/// others.
+///   options  as chosen: what contradicts them is not drawn, and with a material no roughness
+///   isGiven  whether the user chose a value by a row's name: it is not drawn
+[[nodiscard]] std::vector<DrawnOption> presetDraws(
+    std::string_view preset, const RunOptions& options,
+    const std::function<bool(std::string_view name)>& isGiven);
+
 /// Checks both ends of a range, or all choices.
 ///   throws  Error(usage) "'TEXT' is not ..."
 void checkDrawn(const DrawnOption& drawn, const RunOptions& options);

@@ -335,10 +335,13 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
   }
   run = withFiles(std::move(run), *solid, progress);
   std::vector<FractureOptions> options;
+  std::vector<GivenOptions> drawn;
   for (const auto& [pieces, seed] : piecesAndSeeds) {
-    options.push_back(run.fracture);
-    options.back().pieces = pieces;
-    options.back().seed = seed;
+    sherd::RunOptions own = run;
+    own.fracture.pieces = pieces;
+    own.fracture.seed = seed;
+    drawn.push_back(drawnByPreset(given, own));
+    options.push_back(std::move(own.fracture));
   }
   // Meshing the intact solid pays from the second fracture on.
   if (options.size() > 1) solid->keepSurface();
@@ -360,6 +363,7 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
       ownGiven.emplace_back("pieces", std::to_string(options[i].pieces));
     }
     ownGiven.emplace_back("seed", std::to_string(options[i].seed));
+    ownGiven.insert(ownGiven.end(), drawn[i].begin(), drawn[i].end());
     all.push_back(freedElsewhere(std::make_unique<GrownPieces>(
         solid, std::move(ownGiven), std::move(own), std::move(grown[i]))));
   }

@@ -140,6 +140,21 @@ RunOptions optionsFrom(const GivenOptions& given, RunOptions options) {
   return options;
 }
 
+GivenOptions drawnByPreset(const GivenOptions& given, RunOptions& options) {
+  GivenOptions drawn;
+  for (const auto& [name, preset] : given) {
+    if (name != "preset") continue;
+    const auto isOneGiven = [&](std::string_view other) {
+      return isGiven(given, std::string(other).c_str());
+    };
+    for (const sherd::DrawnOption& option : sherd::presetDraws(preset, options, isOneGiven)) {
+      drawn.emplace_back(option.name, option.valueFor(options.fracture.seed));
+      setRow(options, *sherd::fractureOption(option.name), drawn.back().second);
+    }
+  }
+  return drawn;
+}
+
 sherd::OptionUse useOf(std::vector<std::string> names, std::string input) {
   return {.isGiven =
               [names = std::move(names)](std::string_view name) {

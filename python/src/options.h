@@ -21,6 +21,9 @@ using GivenOptions = std::vector<std::pair<std::string, std::string>>;
 /// Sets options that have values already; the same otherwise.
 [[nodiscard]] sherd::RunOptions optionsFrom(const GivenOptions& given, sherd::RunOptions before);
 
+/// Sets what the preset among the given options draws by the fracture's seed, and returns it.
+[[nodiscard]] GivenOptions drawnByPreset(const GivenOptions& given, sherd::RunOptions& options);
+
 /// Returns options as given, but for those with their defaults and those of their material.
 [[nodiscard]] GivenOptions givenOf(const sherd::RunOptions& options);
 

@@ -245,6 +245,11 @@ CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
     DatasetOptions& options = arguments->options;
     sortAsGiven(options.drawn, *command);
     const CLI::Option* const preset = command->get_option("--preset");
+    if (preset->count() > 0) {
+      const std::vector<DrawnOption> drawn =
+          presetDraws(preset->as<std::string>(), options.each, useOf(*command).isGiven);
+      options.drawn.insert(options.drawn.end(), drawn.begin(), drawn.end());
+    }
     const bool isPly = preset->count() > 0 && preset->as<std::string>() == "training";
     if (options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0 && !isPly) {
       options.each.write.meshFormats = {MeshFileFormat::obj};

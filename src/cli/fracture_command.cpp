@@ -405,6 +405,17 @@ void setGiven(const CLI::App& command, FractureArguments& arguments) {
   arguments.use.input = arguments.mesh;
 }
 
+// Sets what the preset draws, by the fracture's seed.
+void drawOfPreset(const CLI::App& command, FractureArguments& arguments) {
+  const CLI::Option* const preset = command.get_option("--preset");
+  if (preset->count() == 0) return;
+  for (const DrawnOption& drawn :
+       presetDraws(preset->as<std::string>(), arguments.run, arguments.use.isGiven)) {
+    const std::string value = drawn.valueFor(arguments.run.fracture.seed);
+    fractureOption(drawn.name)->value.set(arguments.run, value);
+  }
+}
+
 // Takes the options that are not given from the fracture that is broken again.
 void inheritOptions(const CLI::App& command, FractureArguments& arguments) {
   RunOptions options = inheritedOptions(arguments.mesh);
@@ -459,6 +470,7 @@ CLI::App* addFractureCommand(CLI::App& app, Action& run) {
   command->callback([arguments, command, &run] {
     if (!arguments->only.empty()) inheritOptions(*command, *arguments);
     setGiven(*command, *arguments);
+    if (arguments->only.empty()) drawOfPreset(*command, *arguments);
     const std::vector<std::string> idle = checkedOptions(*arguments);
     run = [arguments, idle] {
       for (const std::string& sentence : idle) printMessage("sherd: warning: " + sentence);

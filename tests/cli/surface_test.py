@@ -187,6 +187,8 @@ class Preset(SurfaceCase):
 
 TRAINING = ("--extra-seeds", "2n", "--size-spread", "1", "--min-share", "0.002", "--interface", "independent",
             "--write", "labels,mesh", "--mesh-format", "ply")
+DRAWN = ("roughness", "missing", "mismatch", "scan-noise")
+WITHOUT = ("--roughness", "0", "--missing", "0", "--mismatch", "0%", "--scan-noise", "0%")
 
 
 class Training(SurfaceCase):
@@ -198,15 +200,63 @@ class Training(SurfaceCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         return out
 
+    def drawn(self, out):
+        """The drawn options of a fracture, by its manifest."""
+        with open(os.path.join(out, "manifest.json")) as file:
+            options = json.load(file)["options"]
+        surface = options["surface"]
+        return {"roughness": options["grow"]["roughness"], "missing": options["missing"],
+                "mismatch": surface.get("mismatch", "0%"), "scan-noise": surface.get("scan_noise", "0%")}
+
     def test_is_the_same_as_its_options(self):
-        preset = tree(self.broke("--preset", "training"))
-        self.assertEqual(preset, tree(self.broke(*TRAINING)))
+        out = self.broke("--preset", "training")
+        given = [word for name, value in self.drawn(out).items() for word in (f"--{name}", str(value))]
+        preset = tree(out)
+        self.assertEqual(preset, tree(self.broke(*TRAINING, *given)))
+        self.assertEqual(tree(self.broke("--preset", "training", *WITHOUT)), tree(self.broke(*TRAINING)))
         self.assertFalse([name for name in preset if name.endswith((".vdb", ".png"))])
+
+    def test_draws_by_the_seed_within_its_ranges(self):
+        most = {"roughness": 1.4, "missing": 0.2, "mismatch": 0.3, "scan-noise": 0.1}
+        values = {name: [] for name in DRAWN}
+        for seed in range(12):
+            for name, value in self.drawn(self.broke("--preset", "training", "--seed", str(seed))).items():
+                values[name].append(float(str(value).rstrip("%")))
+        for name, all_ in values.items():
+            self.assertLessEqual(max(all_), most[name])
+            self.assertGreater(len(set(all_)), 10)
+            # Uniform over the range: 12 values have a mean of half of it, to a standard deviation of 0.083.
+            self.assertAlmostEqual(np.mean(all_) / most[name], 0.5, delta=0.35)
+
+    def test_draws_nothing_that_contradicts_what_is_given(self):
+        for given, without in ((("--surface", "exact"), {"scan-noise"}), (("--adaptivity", "0.5"), {"mismatch", "scan-noise"}), (("--mismatch", "0%"), {"mismatch"})):
+            with self.subTest(given=given):
+                values = self.drawn(self.broke("--preset", "training", *given))
+                self.assertEqual({name for name, value in values.items() if value == "0%"}, without)
+        self.assertEqual(self.drawn(self.broke("--preset", "training", "--material", "stone"))["roughness"], "1%")
+        out = self.broke("--preset", "training")
+        again = self.path("again")
+        run = self.run_sherd("fracture", out, "--only", "2", "-o", again, "--pieces", "2", "--preset", "training")
+        self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_a_datasets_fractures_draw_the_same(self):
+        data = self.path("data")
+        run = self.run_sherd("dataset", self.ball, "-o", data, "--preset", "training", "--resolution", "32", "--pieces", "6", "--repeats", "2")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        with open(os.path.join(data, "index.jsonl")) as file:
+            lines = [json.loads(line) for line in file]
+        drawn = {line["seed"]: line["options"] for line in lines if line["fracture"] != "whole"}
+        self.assertEqual(len(drawn), 2)
+        for seed, options in drawn.items():
+            self.assertEqual(set(options), set(DRAWN))
+            values = self.drawn(self.broke("--preset", "training", "--seed", str(seed)))
+            for name, value in options.items():
+                self.assertAlmostEqual(float(value.rstrip("%")), float(str(values[name]).rstrip("%")), delta=1e-9)
 
     def test_options_that_are_given_win(self):
         given = ("--extra-seeds", "3n", "--mesh-format", "obj", "--min-share", "0.01")
         others = [word for i, word in enumerate(TRAINING) if TRAINING[i - i % 2] not in given]
-        self.assertEqual(tree(self.broke(*given, "--preset", "training")), tree(self.broke(*others, *given)))
+        self.assertEqual(tree(self.broke(*given, *WITHOUT, "--preset", "training")), tree(self.broke(*others, *given)))
 
     def meshes(self, out):
         with open(os.path.join(out, "manifest.json")) as file:
@@ -230,7 +280,7 @@ class Training(SurfaceCase):
             for seed in "0", "1", "2":
                 with self.subTest(mesh=mesh, seed=seed):
                     self.assertEqual(self.shared(self.broke("--preset", "training", "--seed", seed, mesh=mesh)), 0)
-        self.assertEqual(self.shared(self.broke("--preset", "training", "--interface", "shared")), 1)
+        self.assertEqual(self.shared(self.broke("--preset", "training", "--interface", "shared", *WITHOUT)), 1)
 
     def test_a_surface_that_shares_vertices_is_reported(self):
         words = "--surface makes neighbors share vertices"
