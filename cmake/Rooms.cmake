@@ -64,9 +64,10 @@ sherd_room(sherd appearance exact_transfer source_faces transfer weights)
 sherd_room(sherd pipeline
   deciding fracture fracture_stages guide_surfaces materials memory_estimate presets refracture refracture_islands
   refracture_meshes withheld)
+sherd_room(sherd evaluate/cracks
+  crack_faces crack_roughness fragment_shape heights planar_areas)
 sherd_room(sherd evaluate
-  assembly convexity crack_faces crack_roughness distance_neighbors evaluate fit fragment_shape heights mesh_quality
-  parting_splits planar_areas published_figures size_fits statistics summary)
+  assembly convexity distance_neighbors evaluate fit mesh_quality parting_splits published_figures size_fits statistics summary)
 sherd_room(sherd render aovs backdrop camera embree_scene light occluders palette preview_fragment raster render scene trace)
 sherd_room(sherd formats output_file)
 sherd_room(sherd formats/arrays hdf5_pack npy_objects npy_reader npz zip_reader zip_writer)

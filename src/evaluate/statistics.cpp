@@ -13,9 +13,9 @@
 
 #include "base/cancel_flag.h"
 #include "base/text/formatted.h"
-#include "evaluate/crack_roughness.h"
+#include "evaluate/cracks/crack_roughness.h"
+#include "evaluate/cracks/fragment_shape.h"
 #include "evaluate/distance_neighbors.h"
-#include "evaluate/fragment_shape.h"
 #include "evaluate/parting_splits.h"
 #include "mesh/flipped_orientation.h"
 #include "mesh/plane_moments.h"

@@ -1,5 +1,5 @@
 // The correlation of heights on surfaces whose Hurst exponents are known.
-#include "evaluate/heights.h"
+#include "evaluate/cracks/heights.h"
 
 #include <gtest/gtest.h>
 

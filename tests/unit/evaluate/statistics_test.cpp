@@ -15,7 +15,7 @@
 #include <set>
 #include <vector>
 
-#include "evaluate/crack_faces.h"
+#include "evaluate/cracks/crack_faces.h"
 #include "mesh/largest_axis.h"
 #include "mesh/plane_moments.h"
 #include "mesh/symmetric_eigen.h"

@@ -1,5 +1,5 @@
 // Correlates the heights of all cracks along given directions.
-#include "evaluate/crack_roughness.h"
+#include "evaluate/cracks/crack_roughness.h"
 
 #include <tbb/parallel_for.h>
 
@@ -10,7 +10,7 @@
 #include <map>
 
 #include "base/cancel_flag.h"
-#include "evaluate/heights.h"
+#include "evaluate/cracks/heights.h"
 #include "mesh/plane_moments.h"
 
 namespace sherd {

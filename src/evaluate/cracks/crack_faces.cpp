@@ -1,5 +1,5 @@
 // Connected areas of a mesh, and where three of them meet.
-#include "evaluate/crack_faces.h"
+#include "evaluate/cracks/crack_faces.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Counts the faces, vertices and corners of a fragment.
-#include "evaluate/fragment_shape.h"
+#include "evaluate/cracks/fragment_shape.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Rasterizes cracks and correlates their heights.
-#include "evaluate/heights.h"
+#include "evaluate/cracks/heights.h"
 
 #include <algorithm>
 #include <array>

@@ -8,7 +8,7 @@
 
 #include "base/cancel_flag.h"
 #include "base/union_find.h"
-#include "evaluate/crack_faces.h"
+#include "evaluate/cracks/crack_faces.h"
 #include "mesh/plane_moments.h"
 #include "mesh/triangle_area.h"
 

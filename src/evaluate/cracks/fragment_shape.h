@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "evaluate/crack_faces.h"
+#include "evaluate/cracks/crack_faces.h"
 
 namespace sherd {
 

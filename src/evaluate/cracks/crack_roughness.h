@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "evaluate/fragment_shape.h"
+#include "evaluate/cracks/fragment_shape.h"
 
 namespace sherd {
 
