@@ -105,7 +105,7 @@ sherd_room(sherd_folders folder/manifest
 sherd_room(sherd_folders folder/files
   boundaries constraints copied_files fracture_files graph mesh_writer proxy split_levels viewer_file write_memory write_points)
 sherd_room(sherd_folders folder/read
-  file_kind finished_fracture fragment_meshes read_density read_fracture read_fragments read_pieces seed_file view_folder
+  file_kind finished_fracture fragment_meshes read_density read_fracture read_fragments read_pieces recorded_neighbors seed_file view_folder
   voxels_of_meshes)
 sherd_room(sherd_folders folder write_fracture)
 sherd_room(sherd_folders dataset/store archive byte_blocks file_queue held_bytes store)

@@ -278,7 +278,10 @@ void readFragmentMeshes(const std::filesystem::path& path, FinishedFracture& fin
                         std::uint64_t maxMemory);
 
 /// Reads the fragments of a folder: those that its manifest.json lists, else every file with an
-/// extension of readMesh, numbered from 1 in natural order: piece_2 before piece_10.
+/// extension of readMesh, numbered from 1 in natural order: piece_2 before piece_10.  Neighbors
+/// that all of these files record are kept if both sides of their contacts agree, within a fifth of
+/// the area; ids are then the numbers at the ends of the names, if those are what neighbors refer
+/// to.
 ///   throws  Error(input) `folder` is not a folder, or has neither; the manifest is damaged; a mesh
 ///           cannot be read, or all meshes together take more memory than `options` allow;
 ///           Error(cancelled)

@@ -12,6 +12,7 @@
 #include "folder/manifest/partial_folder.h"
 #include "folder/manifest/read_manifest.h"
 #include "folder/read/fragment_meshes.h"
+#include "folder/read/recorded_neighbors.h"
 
 namespace sherd {
 namespace {
@@ -105,8 +106,8 @@ FragmentSet readFragments(const fs::path& folder, const ReadOptions& options,
     fragment.droppedTriangles = read.degenerateTriangles;
     fragment.mesh.mesh = std::move(read.mesh);
     fragment.mesh.mesh.attributes = {};
-    if (!set.manifest) fragment.mesh.mesh.neighbor.clear();  // its ids are not those of the set
   });
+  if (!set.manifest) keepAgreeingNeighbors(set);
   return set;
 }
 

@@ -109,6 +109,58 @@ TEST_F(ReadFragments, TakesEveryMeshInNaturalOrder) {
   EXPECT_EQ(set.fragments[1].mesh.mesh.triangles.size(), 12u);
 }
 
+// Two cubes that touch at x = 0.5; those faces name the other one.
+std::pair<TriangleMesh, TriangleMesh> twoCubes(std::uint16_t first, std::uint16_t second) {
+  const TriangleMesh left = shapes::cube(1.0), right = shapes::cube(1.0, {1, 0, 0});
+  const auto named = [](const TriangleMesh& cube, std::uint16_t id) {
+    std::vector<std::uint16_t> neighbor;
+    for (const glm::uvec3& t : cube.triangles) {
+      const bool isShared =
+          cube.vertices[t.x].x == 0.5 && cube.vertices[t.y].x == 0.5 && cube.vertices[t.z].x == 0.5;
+      neighbor.push_back(isShared ? id : std::uint16_t{0});
+    }
+    return shapes::withNeighbor(cube, neighbor);
+  };
+  return {named(left, second), named(right, first)};
+}
+
+// The ids of the fragments with their neighbors' ids, 0 for none.
+std::vector<std::pair<int, int>> contactsIn(const std::filesystem::path& folder) {
+  std::vector<std::pair<int, int>> contacts;
+  for (const EvaluatedFragment& fragment : readFragments(folder).fragments) {
+    const std::vector<std::uint16_t>& neighbor = fragment.mesh.mesh.neighbor;
+    contacts.emplace_back(
+        fragment.mesh.id,
+        neighbor.empty() ? 0 : *std::max_element(neighbor.begin(), neighbor.end()));
+  }
+  return contacts;
+}
+
+using Contacts = std::vector<std::pair<int, int>>;
+
+TEST_F(ReadFragments, KeepsNeighborsThatAgree) {
+  const auto [a, b] = twoCubes(3, 12);
+  writePly(folder_ / "a_003.ply", a);
+  writePly(folder_ / "a_012.ply", b);
+  EXPECT_EQ(contactsIn(folder_), (Contacts{{3, 12}, {12, 3}}));
+  std::filesystem::rename(folder_ / "a_003.ply", folder_ / "a_004.ply");  // neighbors are others
+  EXPECT_EQ(contactsIn(folder_), (Contacts{{1, 0}, {2, 0}}));
+}
+
+TEST_F(ReadFragments, TakesNeighborsForPlacesInTheList) {
+  const auto [a, b] = twoCubes(1, 2);
+  writePly(folder_ / "left.ply", a);
+  writePly(folder_ / "right.ply", b);
+  EXPECT_EQ(contactsIn(folder_), (Contacts{{1, 2}, {2, 1}}));
+  writePly(folder_ / "left.ply",
+           twoCubes(1, 0).first);  // the left one does not know of the right one
+  EXPECT_EQ(contactsIn(folder_), (Contacts{{1, 0}, {2, 0}}));
+  writePly(folder_ / "left.ply", shapes::cube(1.0));  // without neighbors
+  EXPECT_EQ(contactsIn(folder_), (Contacts{{1, 0}, {2, 0}}));
+  writePly(folder_ / "left.ply", twoCubes(1, 1).first);  // its own neighbor
+  EXPECT_EQ(contactsIn(folder_), (Contacts{{1, 0}, {2, 0}}));
+}
+
 TEST_F(ReadFragments, RefusesWhatHoldsNone) {
   EXPECT_THROW((void)readFragments(folder_), Error);
   EXPECT_THROW((void)readFragments(folder_ / "none"), Error);
