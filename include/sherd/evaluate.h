@@ -328,7 +328,7 @@ struct SizeFits {
 struct RoughnessAlong {
   std::string direction;   ///< "x", "y", "z", or "propagation" and "front", at right angles to it
   std::size_t cracks = 0;  ///< that are long enough, >= 1
-  double hurst = 0.0;      ///< slope of the correlation, mean over the cracks by area
+  double hurst = 0.0;      ///< slope of second differences, mean over the cracks by area
   double deviation = 0.0;  ///< standard deviation of the slopes, 0 for one crack
   std::vector<double> lags{};         ///< world units, ascending
   std::vector<double> correlation{};  ///< [lags] sqrt <(h(x + lag) - h(x))^2>, world units
@@ -376,13 +376,15 @@ struct FractureStatistics {
 /// unit, or within two units with the same three faces.
 ///
 /// Heights of rough cracks are those over the plane that fits the contact of two fragments, in a
-/// grid of one unit.  A Hurst exponent is the slope of the logarithm of the correlation over lags
-/// from 4 units to a tenth of the crack's length, of which there must be four.
+/// grid of one unit.  A Hurst exponent is the slope of the logarithm of the rms second difference
+/// over lags from 4 units to a tenth of the crack's length or 10 units, of contacts that are 30
+/// units long or more; one of 30 to 60 units varies by 0.1 to 0.2, so the mean of many is needed.
 ///   set     meshes need not be closed; without any, only sizes and contacts are measured
 ///   cost    triangles * log triangles; fragments * simulations * log fragments
 ///   throws  Error(usage) an option out of range; Error(cancelled)
 ///   source  Garland, Willmott, Heckbert, Hierarchical face clustering, 2001; for the correlation
-///           Ponson, Bonamy, Bouchaud, PRL 96:035506 (2006)
+///           Ponson, Bonamy, Bouchaud, PRL 96:035506 (2006); for exponents of second differences
+///           Kent, Wood, J. R. Stat. Soc. B 59:679 (1997)
 [[nodiscard]] FractureStatistics statistics(const FragmentSet& set,
                                             const StatisticsOptions& options = {},
                                             const Progress* progress = nullptr);

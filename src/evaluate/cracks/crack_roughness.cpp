@@ -10,21 +10,19 @@
 #include <map>
 
 #include "base/cancel_flag.h"
+#include "evaluate/cracks/contact_plane.h"
 #include "evaluate/cracks/heights.h"
-#include "mesh/plane_moments.h"
 
 namespace sherd {
 namespace {
 
 constexpr double kInPlane = 0.8;  // cosine of the largest angle between a direction and a crack
-constexpr double kLeastLength = 30.0;  // spacings: a shorter crack has no lags worth measuring
 
-/// One contact, and the square of its rms height.
+/// One contact.
 struct Crack {
   const TriangleMesh* mesh = nullptr;
   std::vector<std::uint32_t> triangles{};
-  PlaneMoments moments{};
-  FittedPlane plane{};
+  ContactPlane fitted{};
 };
 
 /// A direction, of all cracks or of one whose normal is known.
@@ -44,13 +42,10 @@ std::vector<Crack> cracksOf(const DividedMesh& mesh, int id, std::span<const int
     Crack& crack = cracks[other];
     crack.mesh = mesh.mesh;
     crack.triangles.push_back(t);
-    const glm::uvec3& corner = mesh.mesh->triangles[t];
-    crack.moments.add({mesh.mesh->vertices[corner.x], mesh.mesh->vertices[corner.y],
-                       mesh.mesh->vertices[corner.z]});
   }
   std::vector<Crack> result;
   for (auto& [other, crack] : cracks) {
-    crack.plane = crack.moments.plane();
+    crack.fitted = contactPlane(*crack.mesh, crack.triangles);
     result.push_back(std::move(crack));
   }
   return result;
@@ -122,11 +117,9 @@ CrackRoughness roughnessOf(std::span<const DividedMesh> meshes, std::span<const 
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     throwIfCancelled(progress);
     for (Crack& crack : cracksOf(meshes[i], ids[i], sorted)) {
-      squares += crack.moments.area * crack.moments.meanSquare(crack.plane);
-      area += crack.moments.area;
-      if (crack.moments.area >= kLeastLength * kLeastLength * spacing * spacing) {
-        cracks.push_back(std::move(crack));
-      }
+      squares += crack.fitted.area * crack.fitted.meanSquare;
+      area += crack.fitted.area;
+      cracks.push_back(std::move(crack));
     }
   }
   CrackRoughness result;
@@ -136,11 +129,11 @@ CrackRoughness roughnessOf(std::span<const DividedMesh> meshes, std::span<const 
     tbb::parallel_for(std::size_t{0}, cracks.size(), [&](std::size_t i) {
       throwIfCancelled(progress);
       const Crack& crack = cracks[i];
-      const std::optional<glm::dvec3> u = directionIn(direction, crack.plane);
+      const std::optional<glm::dvec3> u = directionIn(direction, crack.fitted.plane);
       if (!u) return;
       const std::optional<HeightGrid> grid =
-          heightsOver(*crack.mesh, crack.triangles, crack.plane, *u, spacing);
-      if (grid) measured[i] = {crack.moments.area, correlationAlong(*grid)};
+          heightsOver(*crack.mesh, crack.triangles, crack.fitted.plane, *u, spacing);
+      if (grid) measured[i] = {crack.fitted.area, correlationAlong(*grid)};
     });
     const RoughnessAlong sum = summed(direction.name, measured);
     if (sum.cracks > 0) result.along.push_back(sum);

@@ -5,18 +5,20 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 #include <limits>
 
 namespace sherd {
 namespace {
 
 constexpr double kMostNodes = 67108864.0;
+constexpr int kLeastLength = 30;      // nodes, of a slope
 constexpr int kLeastLag = 4;          // nodes, of a slope
 constexpr double kGreatestLag = 0.1;  // of the length, of a slope
+constexpr double kShortLag = 10.0;    // nodes: of a slope also in a grid shorter than 10 times that
 constexpr double kLongestLag = 0.25;  // of the length
-constexpr std::size_t kLeastLags = 4;
-constexpr double kLeastPairs = 0.05;  // of the nodes
+constexpr std::size_t kLeastLags = 3;
+constexpr double kLeastVariance = 1e-9;  // of a mean square: less of a variance is none
+constexpr double kLeastPairs = 0.05;     // of the nodes
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -48,19 +50,32 @@ void raster(HeightGrid& grid, const std::array<Corner, 3>& t) {
   }
 }
 
-/// The mean square difference at a lag, and the number of pairs.
-std::pair<double, std::size_t> differences(const HeightGrid& grid, int lag) {
-  double sum = 0.0;
-  std::size_t pairs = 0;
+/// Differences of heights at several nodes of a line.
+struct Differences {
+  std::size_t count = 0;
+  double mean = 0.0;
+  double meanSquare = 0.0;
+};
+
+/// Takes a difference over all of a grid.
+///   reach       nodes from the first to the last
+///   difference  of the node (u, v) and those after it; NaN where one has no height
+template <class Difference>
+Differences differences(const HeightGrid& grid, int reach, Difference difference) {
+  Differences result;
   for (int v = 0; v < grid.down; ++v) {
-    for (int u = 0; u + lag < grid.across; ++u) {
-      const float difference = grid.at(u + lag, v) - grid.at(u, v);
-      if (std::isnan(difference)) continue;
-      sum += static_cast<double>(difference) * static_cast<double>(difference);
-      ++pairs;
+    for (int u = 0; u + reach < grid.across; ++u) {
+      const double value = difference(u, v);
+      if (std::isnan(value)) continue;
+      result.mean += value;
+      result.meanSquare += value * value;
+      ++result.count;
     }
   }
-  return {pairs > 0 ? sum / static_cast<double>(pairs) : 0.0, pairs};
+  if (result.count == 0) return result;
+  result.mean /= static_cast<double>(result.count);
+  result.meanSquare /= static_cast<double>(result.count);
+  return result;
 }
 
 std::optional<double> slopeOf(const std::vector<glm::dvec2>& logarithms) {
@@ -99,7 +114,7 @@ std::optional<HeightGrid> heightsOver(const TriangleMesh& mesh,
   low = glm::floor(low);
   const glm::dvec2 size = glm::floor(high - low) + 1.0;
   if (!(size.x * size.y <= kMostNodes)) return {};
-  HeightGrid grid{static_cast<int>(size.x), static_cast<int>(size.y), spacing};
+  HeightGrid grid{static_cast<int>(size.x), static_cast<int>(size.y), spacing, low};
   grid.height.assign(static_cast<std::size_t>(size.x * size.y), kNone);
   for (const std::uint32_t t : triangles) {
     std::array<Corner, 3> corners;
@@ -111,23 +126,49 @@ std::optional<HeightGrid> heightsOver(const TriangleMesh& mesh,
   return grid;
 }
 
+namespace {
+
+/// Returns lags of up to so many nodes, by factors of sqrt 2.
+std::vector<int> lagsTo(double most) {
+  std::vector<int> lags;
+  for (double exact = 1.0; exact <= most; exact *= std::sqrt(2.0)) {
+    const int lag = static_cast<int>(std::lround(exact));
+    if (lags.empty() || lags.back() != lag) lags.push_back(lag);
+  }
+  return lags;
+}
+
+std::optional<double> slopeAlong(const HeightGrid& grid, std::size_t leastPairs) {
+  if (grid.across < kLeastLength) return {};
+  std::vector<glm::dvec2> logarithms;
+  for (const int lag : lagsTo(std::max(kGreatestLag * grid.across, kShortLag))) {
+    if (lag < kLeastLag) continue;
+    const Differences second = differences(grid, 2 * lag, [&](int u, int v) {
+      return double{grid.at(u + 2 * lag, v)} - 2.0 * double{grid.at(u + lag, v)} +
+             double{grid.at(u, v)};
+    });
+    const double variance = second.meanSquare - second.mean * second.mean;
+    if (second.count < leastPairs || !(variance > kLeastVariance * second.meanSquare)) continue;
+    logarithms.emplace_back(std::log(lag), 0.5 * std::log(variance));
+  }
+  return slopeOf(logarithms);
+}
+
+}  // namespace
+
 Correlation correlationAlong(const HeightGrid& grid) {
   Correlation result;
-  std::vector<glm::dvec2> logarithms;
-  const double nodes = static_cast<double>(grid.across) * static_cast<double>(grid.down);
-  int before = 0;
-  for (double exact = 1.0; exact <= kLongestLag * grid.across; exact *= std::sqrt(2.0)) {
-    const int lag = static_cast<int>(std::lround(exact));
-    if (lag == before) continue;
-    before = lag;
-    const auto [square, pairs] = differences(grid, lag);
-    if (static_cast<double>(pairs) < kLeastPairs * nodes || !(square > 0.0)) continue;
+  const auto leastPairs = static_cast<std::size_t>(
+      std::ceil(kLeastPairs * static_cast<double>(grid.across) * static_cast<double>(grid.down)));
+  for (const int lag : lagsTo(kLongestLag * grid.across)) {
+    const Differences first = differences(grid, lag, [&](int u, int v) {
+      return double{grid.at(u + lag, v)} - double{grid.at(u, v)};
+    });
+    if (first.count < leastPairs || !(first.meanSquare > 0.0)) continue;
     result.lags.push_back(lag * grid.spacing);
-    result.values.push_back(std::sqrt(square));
-    if (lag < kLeastLag || lag > kGreatestLag * grid.across) continue;
-    logarithms.emplace_back(std::log(lag), 0.5 * std::log(square));
+    result.values.push_back(std::sqrt(first.meanSquare));
   }
-  result.slope = slopeOf(logarithms);
+  result.slope = slopeAlong(grid, leastPairs);
   return result;
 }
 

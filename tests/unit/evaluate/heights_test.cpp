@@ -60,7 +60,7 @@ HeightGrid selfAffine(int side, double a, double b, std::uint64_t seed) {
     transform(column);
     for (std::size_t v = 0; v < n; ++v) rows[v][u] = column[v];
   }
-  HeightGrid grid{side, side, 1.0, {}};
+  HeightGrid grid{side, side, 1.0, {}, {}};
   for (std::size_t v = 0; v < n / 2; ++v) {
     for (std::size_t u = 0; u < n / 2; ++u)
       grid.height.push_back(static_cast<float>(rows[v][u].real()));
@@ -69,7 +69,7 @@ HeightGrid selfAffine(int side, double a, double b, std::uint64_t seed) {
 }
 
 HeightGrid transposed(const HeightGrid& grid) {
-  HeightGrid result{grid.down, grid.across, grid.spacing, {}};
+  HeightGrid result{grid.down, grid.across, grid.spacing, {}, {}};
   for (int u = 0; u < grid.across; ++u) {
     for (int v = 0; v < grid.down; ++v) result.height.push_back(grid.at(u, v));
   }
@@ -92,20 +92,51 @@ TEST(Heights, HaveTheHurstExponentsOfTheirTwoDirections) {
   }
 }
 
-// A plane rises by its slope: C(d) is proportional to d.
-TEST(Heights, OfATiltedPlaneHaveTheExponentOne) {
-  HeightGrid grid{200, 50, 0.5, {}};
-  for (int v = 0; v < grid.down; ++v) {
-    for (int u = 0; u < grid.across; ++u) grid.height.push_back(0.25f * static_cast<float>(u));
+// Short cracks too: those of 30 to 60 nodes, over the plane that fits them best.
+TEST(Heights, OfShortCracksHaveTheirExponentsToo) {
+  constexpr int kSurfaces = 200;
+  for (const double exponent : {0.4, 0.6, 0.8}) {
+    for (const int side : {32, 64}) {
+      double mean = 0.0;
+      for (int k = 0; k < kSurfaces; ++k) {
+        const HeightGrid grid = selfAffine(side, exponent, exponent, static_cast<std::uint64_t>(k));
+        const auto slope = correlationAlong(grid).slope;
+        ASSERT_TRUE(slope);
+        mean += *slope / kSurfaces;
+      }
+      EXPECT_NEAR(mean, exponent, side == 32 ? 0.15 : 0.07) << side;
+    }
   }
-  const Correlation found = correlationAlong(grid);
-  ASSERT_TRUE(found.slope);
-  EXPECT_NEAR(*found.slope, 1.0, 1e-9);
+}
+
+// A plane rises by its slope: C(d) is proportional to d.  Neither it nor a parabola has second
+// differences that vary, so the tilt and the bend of a crack change no exponent.
+TEST(Heights, OfAPlaneAndAParabolaHaveNoExponent) {
+  HeightGrid plane{200, 50, 0.5, {}, {}}, parabola{60, 30, 1.0, {}, {}};
+  for (int v = 0; v < plane.down; ++v) {
+    for (int u = 0; u < plane.across; ++u) plane.height.push_back(0.25f * static_cast<float>(u));
+  }
+  for (int v = 0; v < parabola.down; ++v) {
+    for (int u = 0; u < parabola.across; ++u) {
+      parabola.height.push_back(static_cast<float>(u * u + 7 * u - 3 * v));
+    }
+  }
+  const Correlation found = correlationAlong(plane);
+  EXPECT_FALSE(found.slope);
+  EXPECT_FALSE(correlationAlong(parabola).slope);
   for (std::size_t i = 0; i < found.lags.size(); ++i) {
     EXPECT_NEAR(found.values[i], 0.5 * found.lags[i], 1e-9);
   }
-  grid.across = 50;
-  EXPECT_FALSE(correlationAlong(grid).slope);  // too short
+}
+
+TEST(Heights, OfFewerThanThirtyNodesHaveNoExponent) {
+  HeightGrid grid = selfAffine(32, 0.8, 0.8, 1);
+  EXPECT_TRUE(correlationAlong(grid).slope);
+  HeightGrid shorter{29, 32, 1.0, {}, {}};
+  for (int v = 0; v < 32; ++v) {
+    for (int u = 0; u < 29; ++u) shorter.height.push_back(grid.at(u, v));
+  }
+  EXPECT_FALSE(correlationAlong(shorter).slope);
 }
 
 // A saddle x y over the plane z = 0, of triangles: nodes of the grid are its corners.
