@@ -244,13 +244,18 @@ enum class FaceRule {
   planes,     ///< a face is a connected part of the cracks that lies in one plane, however many
               ///< neighbors are behind it
   neighbors,  ///< a face is a connected part of the cracks towards one neighbor
-  splits      ///< a face is a connected part of the crack of one split, see
+  splits,     ///< a face is a connected part of the crack of one split, see
               ///< FragmentSet::splitParents; where none is known it is as for neighbors
+  facets      ///< a face is a plane but for relief, as a hand draws them on rough cracks: as for
+          ///< `planes`, with a tolerance of 5 % of the root of the fragment's area of cracks, so
+          ///< that two equal squares are one up to an angle of 27 degrees, and a least area of
+          ///< 2 % of it
 };
 
 struct StatisticsOptions {
-  std::optional<FaceRule> faces{};  ///< absent: splits where they are known; else planes, unless
-                                    ///< the cracks are rough, see FractureStatistics::planeShare
+  std::optional<FaceRule> faces{};  ///< absent: splits where they are known; else planes, or
+                                    ///< facets if the cracks are rough, see
+                                    ///< FractureStatistics::planeShare
   double unit = 0.0;                ///< world units, 1e-100..1e100, the unit of the next two; 0:
                       ///< FragmentSet::voxelSize, or without one 1/128 of the longest side of all
                       ///< fragments' box
@@ -340,7 +345,7 @@ struct FractureStatistics {
   FaceRule rule = FaceRule::planes;
   double planeShare = 0.0;  ///< the share of a contact that lies in one plane, which is even within
                             ///< the tolerance, mean by area: below
-                            ///< 0.5 cracks are rough, where neighbors are known
+                            ///< 0.5 cracks are rough
   bool knownNeighbors = false;  ///< recorded by the meshes; else by distance, as fit() does
   double unit = 0.0;            ///< world units: what StatisticsOptions::unit came out as
   double leastArea = 0.0;       ///< world units squared: that of the least face counted

@@ -101,6 +101,7 @@ void runStatistics(EvaluateArguments& arguments) {
   if (arguments.faces == "planes") options.faces = FaceRule::planes;
   if (arguments.faces == "neighbors") options.faces = FaceRule::neighbors;
   if (arguments.faces == "splits") options.faces = FaceRule::splits;
+  if (arguments.faces == "facets") options.faces = FaceRule::facets;
   if (const std::vector<double>& p = arguments.propagation; !p.empty()) {
     options.propagation = glm::dvec3(p[0], p[1], p[2]);
   }
@@ -157,9 +158,10 @@ void addStatisticsOptions(CLI::App& command, EvaluateArguments& arguments) {
   command
       .add_option(
           "--faces", arguments.faces,
-          "A face is a plane, the contact with one neighbor, or the crack of one split; auto: "
-          "splits of a manifest that has some, else planes unless the cracks are rough")
-      ->check(CLI::IsMember({"auto", "planes", "neighbors", "splits"}))
+          "A face is a plane, the contact with one neighbor, the crack of one split, or a facet, "
+          "which is a plane but for relief; auto: splits of a manifest that has some, else facets "
+          "if the cracks are rough, else planes")
+      ->check(CLI::IsMember({"auto", "planes", "neighbors", "splits", "facets"}))
       ->type_name("")
       ->capture_default_str()
       ->needs(statistics);

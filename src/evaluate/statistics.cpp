@@ -133,7 +133,7 @@ void divide(Meshes& meshes, const FractureStatistics& result, const FragmentSet&
 }
 
 bool isRough(const FractureStatistics& result) {
-  return result.knownNeighbors && result.orientation && result.planeShare < kOnePlane;
+  return result.orientation && result.planeShare < kOnePlane;
 }
 
 void chooseRule(FractureStatistics& result, const FragmentSet& set, const Meshes& meshes,
@@ -149,7 +149,7 @@ void chooseRule(FractureStatistics& result, const FragmentSet& set, const Meshes
                 "statistics: the folder's manifest has no splits; choose planes or neighbors");
   }
   const FaceRule found = !set.splitParents.empty() ? FaceRule::splits
-                         : isRough(result)         ? FaceRule::neighbors
+                         : isRough(result)         ? FaceRule::facets
                                                    : FaceRule::planes;
   result.rule = options.faces.value_or(found);
 }
@@ -178,12 +178,13 @@ bool originalIsFlat(const Meshes& meshes) {
   return flat >= kFlatShare * all;
 }
 
-void measureShapes(FractureStatistics& result, const Meshes& meshes, const FragmentSet& set,
+void measureShapes(FractureStatistics& result, Meshes& meshes, const FragmentSet& set,
                    const Progress* progress) {
   if (!meshes.fragment.empty()) result.thinAxis = thinAxisOf(meshes.box);
   tbb::parallel_for(std::size_t{0}, meshes.fragment.size(), [&](std::size_t k) {
     throwIfCancelled(progress);
     FragmentShape& shape = result.fragments[meshes.fragment[k]];
+    if (result.rule == FaceRule::facets) divideIntoFacets(meshes.divided[k], progress);
     measureShape(shape, meshes.divided[k], result.rule, limitsOf(result));
     if (result.thinAxis) {
       shape.corners = cornersOf(meshes.divided[k], result.rule, *result.thinAxis, limitsOf(result));

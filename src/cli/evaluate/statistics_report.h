@@ -18,9 +18,19 @@ struct StatisticsReport {
 [[nodiscard]] std::string statisticsCsv(
     const StatisticsReport& report);  ///< a row for each fragment
 
-/// Returns the name of a rule: "planes", "neighbors" or "splits".
+/// Returns the name of a rule, as `--faces` takes it.
 [[nodiscard]] inline const char* nameOf(FaceRule rule) {
-  return rule == FaceRule::planes ? "planes" : rule == FaceRule::splits ? "splits" : "neighbors";
+  switch (rule) {
+    case FaceRule::planes:
+      return "planes";
+    case FaceRule::neighbors:
+      return "neighbors";
+    case FaceRule::splits:
+      return "splits";
+    case FaceRule::facets:
+      break;
+  }
+  return "facets";
 }
 
 }  // namespace sherd::cli

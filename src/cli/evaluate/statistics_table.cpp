@@ -44,6 +44,7 @@ std::string ruleLines(const FractureStatistics& s) {
   std::string text =
       s.rule == FaceRule::planes   ? formatted("faces are planes, within %.3g", s.planeTolerance)
       : s.rule == FaceRule::splits ? std::string("faces are the cracks of one split")
+      : s.rule == FaceRule::facets ? std::string("faces are facets of rough cracks")
                                    : std::string("faces are contacts with one neighbor");
   return text + formatted("; areas below %.3g are not counted (unit %.3g)\n", s.leastArea, s.unit);
 }

@@ -26,21 +26,26 @@ struct Areas {
   std::vector<std::uint32_t> group;       ///< that of its triangles
 };
 
+/// What is one plane.
+struct PlaneLimits {
+  double tolerance = 0.0;  ///< world units, > 0
+  double leastArea = 0.0;  ///< areas of less have no direction that counts, world units squared
+  bool beginWithContacts = true;  ///< a planar contact with one neighbor begins as one area
+};
+
 /// Returns connected areas of one plane.  A contact with one neighbor is one area if its rms
 /// distance from a plane is within three times the tolerance, else each of its triangles is one.
 /// The two areas nearest to a common plane are then merged, again and again, while both have an rms
 /// distance from it within the tolerance.  Areas that face away from each other, such as both
 /// sides of a thin splinter, stay apart.
 ///   contact    [m] id of the neighbor; 0 for the original surface, which is in areas of its own
-///   tolerance  world units, > 0
-///   least      areas of less have no direction that counts, world units squared
 ///   return     sizes are those of the areas' projections onto their planes, which are small for
 ///   the
 ///              narrow sides of a splinter together; groups are 1 for cracks, else 0
 ///   throws     Error(cancelled)
 [[nodiscard]] Areas planarAreas(const TriangleMesh& mesh, std::span<const SharedEdge> edges,
-                                std::span<const std::uint16_t> contact, double tolerance,
-                                double least, const Progress* progress);
+                                std::span<const std::uint16_t> contact, const PlaneLimits& limits,
+                                const Progress* progress);
 
 /// Returns the connected areas of each group.
 [[nodiscard]] Areas connectedAreas(const TriangleMesh& mesh, std::span<const SharedEdge> edges,

@@ -18,6 +18,7 @@ struct DividedMesh {
   std::vector<std::uint32_t> split{};                  ///< [m] or empty: partingSplits
   std::vector<SharedEdge> edges{};
   Areas planes{};
+  Areas facets{};  ///< empty before divideIntoFacets
   double area = 0.0, crackArea = 0.0;
   double onePlane =
       0.0;  ///< integral over the cracks of the share of a contact that is in one plane
@@ -34,6 +35,9 @@ struct ShapeLimits {
 ///   neighbor  [m]
 [[nodiscard]] DividedMesh divided(const TriangleMesh& mesh, std::vector<std::uint16_t> neighbor,
                                   const ShapeLimits& limits, const Progress* progress);
+
+/// Divides cracks into facets, see FaceRule::facets.
+void divideIntoFacets(DividedMesh& mesh, const Progress* progress);
 
 /// Counts, of a mesh, the values of FragmentShape that are measured on it, except for `corners`.
 void measureShape(FragmentShape& shape, const DividedMesh& mesh, FaceRule rule,

@@ -64,13 +64,10 @@ std::vector<PlaneMoments> momentsOf(const TriangleMesh& mesh) {
 class Clustering {
  public:
   Clustering(const TriangleMesh& mesh, std::span<const SharedEdge> edges,
-             std::span<const std::uint16_t> contact, double tolerance, double least)
-      : tolerance_(tolerance),
-        least_(least),
-        clusters_(mesh.triangles.size()),
-        sets_(mesh.triangles.size()) {
+             std::span<const std::uint16_t> contact, const PlaneLimits& limits)
+      : limits_(limits), clusters_(mesh.triangles.size()), sets_(mesh.triangles.size()) {
     std::vector<PlaneMoments> moments = momentsOf(mesh);
-    unitePlanarContacts(edges, contact, moments);
+    if (limits.beginWithContacts) unitePlanarContacts(edges, contact, moments);
     for (std::uint32_t i = 0; i < clusters_.size(); ++i) {
       Cluster& cluster = clusters_[sets_.find(i)];
       cluster.moments.add(moments[i]);
@@ -114,7 +111,7 @@ class Clustering {
     }
     std::vector<PlaneMoments> sums(contact.size());
     for (std::uint32_t i = 0; i < contact.size(); ++i) sums[contacts.find(i)].add(moments[i]);
-    const double most = std::pow(kBentTolerance * tolerance_, 2.0);
+    const double most = std::pow(kBentTolerance * limits_.tolerance, 2.0);
     std::vector<char> planar(contact.size());
     for (std::uint32_t i = 0; i < contact.size(); ++i) {
       planar[i] =
@@ -132,7 +129,7 @@ class Clustering {
   /// the larger one's plane if it began as triangles; or -1 if they are not to be merged.
   int costOf(const Cluster& a, const Cluster& b) const {
     const auto& [small, large] = a.moments.area < b.moments.area ? std::tie(a, b) : std::tie(b, a);
-    if (small.moments.area >= least_ &&
+    if (small.moments.area >= limits_.leastArea &&
         glm::dot(a.normals, b.normals) < 0.5 * glm::length(a.normals) * glm::length(b.normals)) {
       return -1;
     }
@@ -140,15 +137,15 @@ class Clustering {
     both.add(b.moments);
     const FittedPlane plane = both.plane();
     const double fromA = a.moments.meanSquare(plane), fromB = b.moments.meanSquare(plane);
-    const double limit = kBentTolerance * kBentTolerance * tolerance_ * tolerance_;
+    const double limit = kBentTolerance * kBentTolerance * limits_.tolerance * limits_.tolerance;
     const double more = std::sqrt(std::max({0.0, fromA - a.unevenness, fromB - b.unevenness}));
-    if (std::max(fromA, fromB) <= limit && more <= tolerance_) {
-      return static_cast<int>(more / tolerance_ * kCostSteps);
+    if (std::max(fromA, fromB) <= limit && more <= limits_.tolerance) {
+      return static_cast<int>(more / limits_.tolerance * kCostSteps);
     }
     if (small.isContact) return -1;
     const double strip = small.moments.meanSquare(large.moments.plane());
     if (strip > limit) return -1;
-    return static_cast<int>((1.0 + std::sqrt(strip) / tolerance_) * kCostSteps);
+    return static_cast<int>((1.0 + std::sqrt(strip) / limits_.tolerance) * kCostSteps);
   }
 
   static void setUnevenness(Cluster& cluster) {
@@ -187,7 +184,7 @@ class Clustering {
     propose(merge.a, /*all=*/true);
   }
 
-  double tolerance_, least_;
+  PlaneLimits limits_;
   std::vector<Cluster> clusters_;
   UnionFind sets_;
   std::priority_queue<Merge, std::vector<Merge>, std::greater<>> queue_;
@@ -196,9 +193,9 @@ class Clustering {
 }  // namespace
 
 Areas planarAreas(const TriangleMesh& mesh, std::span<const SharedEdge> edges,
-                  std::span<const std::uint16_t> contact, double tolerance, double least,
+                  std::span<const std::uint16_t> contact, const PlaneLimits& limits,
                   const Progress* progress) {
-  Clustering clustering(mesh, edges, contact, tolerance, least);
+  Clustering clustering(mesh, edges, contact, limits);
   clustering.run(progress);
   std::vector<std::uint32_t> group;
   for (const std::uint16_t id : contact) group.push_back(id != 0);

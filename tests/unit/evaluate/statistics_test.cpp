@@ -461,7 +461,7 @@ TEST(Statistics, SidesOfASplinterAreTwoFaces) {
   EXPECT_EQ(found.fragments[0].faces, 2u);
 }
 
-TEST(Statistics, RoughCracksHaveOneFaceForEachNeighbor) {
+TEST(Statistics, RoughCracksHaveExponents) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, 1.0);
   std::vector<TriangleMesh> halves(2);
@@ -483,8 +483,21 @@ TEST(Statistics, RoughCracksHaveOneFaceForEachNeighbor) {
   halves[1].neighbor.assign(halves[0].triangles.size(), 1);
   const FractureStatistics found = statistics(setOf(halves), {.unit = 1.0, .simulations = kFew});
   EXPECT_LT(found.planeShare, 0.1);
-  EXPECT_EQ(found.rule, FaceRule::neighbors);
+  EXPECT_EQ(found.rule, FaceRule::facets);
   EXPECT_EQ(found.fragments[0].faces, 1u);
+  std::vector<TriangleMesh> bare = halves;
+  for (TriangleMesh& mesh : bare) mesh.neighbor.clear();
+  const FractureStatistics byDistance = statistics(setOf(bare), {.unit = 1.0, .simulations = kFew});
+  EXPECT_EQ(byDistance.rule, FaceRule::facets);
+  EXPECT_NEAR(byDistance.planeShare, found.planeShare, 1e-9);
+  EXPECT_NEAR(byDistance.roughness.value(), found.roughness.value(), 1e-9);
+  std::vector<TriangleMesh> far = halves;
+  for (TriangleMesh& mesh : far) {
+    for (glm::dvec3& p : mesh.vertices) p += glm::dvec3(3e7, -5e7, 2e7);
+  }
+  const FractureStatistics there = statistics(setOf(far), {.unit = 1.0, .simulations = kFew});
+  EXPECT_NEAR(there.roughness.value(), found.roughness.value(), 1e-6);
+  EXPECT_NEAR(there.planeShare, found.planeShare, 1e-6);
   ASSERT_EQ(found.hurst.size(), 2u);  // along x and y; z is across the crack
   EXPECT_EQ(found.hurst[0].cracks, 1u);
   EXPECT_NEAR(found.hurst[0].hurst, 0.0, 0.02);  // white noise
