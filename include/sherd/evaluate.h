@@ -277,6 +277,7 @@ struct FragmentShape {
   double breakShare = 0.0;       ///< share of its surface that is crack
   std::size_t contacts = 0;      ///< fragments it touches, by the manifest, else as `neighbors`
   bool hasMesh = false;          ///< with an area; the values below are 0 without one
+  std::size_t object = 0;        ///< 1..FractureStatistics::objects: those that contacts join
   std::size_t neighbors = 0;     ///< those behind cracks of at least the least face's area
   std::size_t faces = 0;         ///< of the cracks
   std::size_t vertices = 0;      ///< of the cracks' faces alone
@@ -339,6 +340,24 @@ struct RoughnessAlong {
   std::vector<double> correlation{};  ///< [lags] sqrt <(h(x + lag) - h(x))^2>, world units
 };
 
+/// How well the two sides of the cracks fit, for fragments in assembled positions.  Lengths are
+/// shares of the diagonal of an object, the box of fragments that contacts join.
+struct JointStatistics {
+  /// Quantiles, by area, of the distance of points on cracks from the neighbor behind them: 10, 50,
+  /// 90 and 99 %.  Points inside the neighbor count as those outside of it.
+  std::array<double, 4> gap{};
+  /// Rms difference of the heights of both sides over the plane that fits a contact, without its
+  /// mean and tilt, which another position would remove; mean square over the contacts by area.
+  /// Twice a side's own variance where both are moved independently.  Absent without contacts where
+  /// 16 nodes, one unit apart, have both heights.
+  std::optional<double> difference{};
+  std::optional<double> removed{};  ///< share of the area of cracks towards the fragments that is
+                                    ///< farther from them than the tolerance, where neighbors are
+                                    ///< known: what was there is lost, or worn off
+  double deepShare = 0.0;  ///< share of all fragments' surface that is inside the neighbor behind
+                           ///< it and farther from its surface than the tolerance
+};
+
 /// Statistics of a fracture, to be compared with real ones.
 struct FractureStatistics {
   std::vector<FragmentShape> fragments;  ///< [>= 1]
@@ -364,10 +383,20 @@ struct FractureStatistics {
   std::optional<glm::dvec3> orientation;        ///< eigenvalues of the mean of n n^T over the area
                                                 ///< of cracks, descending; 1/3 each if isotropic
   std::array<glm::dvec3, 3> orientationAxes{};  ///< their eigenvectors
-  std::optional<double> roughness;    ///< rms height of cracks over their planes, world units;
-                                      ///< absent where they are not rough
-  std::vector<RoughnessAlong> hurst;  ///< absent directions: no crack is long enough
-  std::vector<std::string> notes;     ///< what is absent, and why, one sentence each
+  std::optional<double> roughness;        ///< rms height of cracks over their planes, world units;
+                                          ///< absent where they are not rough
+  std::vector<RoughnessAlong> hurst;      ///< absent directions: no crack is long enough
+  std::optional<JointStatistics> joints;  ///< absent without meshes that touch
+  double unmatched = 0.0;   ///< share of the area of cracks whose neighbor has no mesh here
+  double coincident = 0.0;  ///< share of vertices that have one of another fragment within 2e-6 of
+                            ///< the diagonal
+  std::size_t objects = 0;  ///< sets of fragments that no contact joins, of those with a mesh: in
+                            ///< assembled positions several objects, or parts of one between which
+                            ///< fragments are missing
+  std::optional<double> consecutiveExcess;  ///< share of pairs with consecutive ids that touch,
+                                            ///< less that of all pairs; 0 in the mean if the order
+                                            ///< says nothing; absent for fewer than 3 fragments
+  std::vector<std::string> notes;           ///< what is absent, and why, one sentence each
 };
 
 /// Measures the shapes of fragments, their sizes and their cracks.

@@ -5,19 +5,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 
 #include "base/cancel_flag.h"
 #include "evaluate/assembly.h"
+#include "evaluate/cracks/triangle_points.h"
 #include "mesh/triangle_area.h"
 
 namespace sherd {
 namespace {
 
 constexpr double kRounding = 2e-6;  // of the diagonal, as in fit()
-constexpr int kMostSteps = 16;      // samples along an edge
 
 /// Returns the index of the fragment behind a point of fragment i, or kNone.
 std::size_t behind(const Assembly& assembly, std::size_t i, const glm::dvec3& point,
@@ -40,23 +39,14 @@ BehindTriangles classify(const Assembly& assembly, std::size_t i, double toleran
     const std::array<glm::dvec3, 3> p{mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
     const double size = areaOf(p);
     const glm::dvec3 normal = size > 0.0 ? areaNormal(p) / (2.0 * size) : glm::dvec3(0.0);
-    const double longest =
-        std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
-    // 0 / 0 is 1 step: the maximum and the minimum leave a NaN out.
-    const int steps = static_cast<int>(
-        std::fmin(std::fmax(std::ceil(longest / spacing), 1.0), double{kMostSteps}));
     std::map<int, int> votes;
-    for (int a = 0; a < steps; ++a) {
-      for (int b = 0; a + b < steps; ++b) {
-        const double u = (a + 1.0 / 3.0) / steps, v = (b + 1.0 / 3.0) / steps;
-        const std::size_t other = behind(assembly, i, p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]),
-                                         normal, tolerance, rounding);
-        ++votes[other == Assembly::kNone ? 0 : assembly.fragment(other).id];
-      }
+    const std::vector<glm::dvec3> points = pointsOn(p, spacing);
+    for (const glm::dvec3& point : points) {
+      const std::size_t other = behind(assembly, i, point, normal, tolerance, rounding);
+      ++votes[other == Assembly::kNone ? 0 : assembly.fragment(other).id];
     }
-    const int samples = steps * (steps + 1) / 2;
     for (const auto& [id, count] : votes) {
-      if (id != 0) areas[id] += size * count / samples;
+      if (id != 0) areas[id] += size * count / static_cast<double>(points.size());
     }
     const auto most =
         std::max_element(votes.begin(), votes.end(),

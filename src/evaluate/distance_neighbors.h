@@ -18,7 +18,7 @@ struct BehindTriangles {
 
 /// Classifies triangles as fit() does points: those inside another fragment, or with one within the
 /// tolerance in the direction of the normal, are cracks.  A triangle is sampled at
-/// points that are at most `spacing` apart, up to 136.
+/// its pointsOn().
 ///   fragments  closed meshes oriented outwards
 ///   throws     Error(cancelled)
 [[nodiscard]] std::vector<BehindTriangles> neighborsByDistance(

@@ -9,12 +9,16 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "base/cancel_flag.h"
 #include "base/text/formatted.h"
+#include "evaluate/cracks/coincident_vertices.h"
+#include "evaluate/cracks/contact_graph.h"
 #include "evaluate/cracks/crack_roughness.h"
 #include "evaluate/cracks/fragment_shape.h"
+#include "evaluate/cracks/joint_gaps.h"
 #include "evaluate/distance_neighbors.h"
 #include "evaluate/parting_splits.h"
 #include "mesh/flipped_orientation.h"
@@ -30,6 +34,8 @@ constexpr double kVertexRadius = 0.5;      // units
 constexpr double kOnePlane = 0.5;          // of FractureStatistics::planeShare: faces by planes
 constexpr double kPlateShare = 0.25;       // of a plate's thickness to its middle side
 constexpr double kSampleUnits = 4.0;       // between points of triangles without neighbors
+constexpr double kCoincident = 2e-6;       // of the diagonal, as in fit(): the rounding of floats
+constexpr double kMostDeep = 0.01;         // of all surface, in assembled positions
 constexpr double kFlatShare = 0.9;         // of the original surface, in planes
 constexpr double kFlatPlane = 0.1;         // of a fragment's original surface, of such a plane
 constexpr std::size_t kMostSimulations = 1000000;
@@ -281,6 +287,51 @@ void addOrientation(FractureStatistics& result, const Meshes& meshes) {
   result.orientationAxes = eigen.vectors;
 }
 
+/// Returns the share of the area of cracks whose neighbor is none of the meshes.
+double unmatchedShare(const Meshes& meshes) {
+  const std::set<int> ids(meshes.ids.begin(), meshes.ids.end());
+  double unmatched = 0.0, all = 0.0;
+  for (const DividedMesh& mesh : meshes.divided) {
+    for (const auto& [id, size] : mesh.neighborArea) {
+      all += size;
+      if (!ids.contains(id)) unmatched += size;
+    }
+  }
+  return all > 0.0 ? unmatched / all : 0.0;
+}
+
+/// Measures what the fragments' order, and the two sides of cracks, have in common.
+void addJoints(FractureStatistics& result, const Meshes& meshes, double tolerance,
+               const Progress* progress) {
+  if (meshes.fragment.empty()) return;
+  const ContactGraph graph = contactGraph(meshes.divided, meshes.ids, result.leastArea);
+  result.objects = graph.objects;
+  for (std::size_t k = 0; k < meshes.fragment.size(); ++k) {
+    result.fragments[meshes.fragment[k]].object = graph.object[k] + 1;
+  }
+  result.consecutiveExcess = consecutiveExcess(graph, meshes.ids);
+  result.coincident =
+      coincidentShare(meshes.divided, kCoincident * glm::length(meshes.box.max - meshes.box.min));
+  result.unmatched = unmatchedShare(meshes);
+  result.joints = jointsOf(
+      {meshes.divided, meshes.ids, graph, result.unit, tolerance, result.knownNeighbors}, progress);
+}
+
+void addJointNotes(FractureStatistics& result) {
+  if (result.objects > 1) {
+    result.notes.push_back(formatted(
+        "no contact joins %zu sets of fragments: they are of several objects, or fragments "
+        "between them are missing, or not in assembled positions",
+        result.objects));
+  }
+  if (result.joints && result.joints->deepShare > kMostDeep) {
+    result.notes.push_back(
+        formatted("%.1f %% of the surface is deep inside other fragments: they are of several "
+                  "objects, or not in assembled positions",
+                  100.0 * result.joints->deepShare));
+  }
+}
+
 void addNotes(FractureStatistics& result, const FragmentSet& set, const Meshes& meshes) {
   std::vector<std::string>& notes = result.notes;
   if (meshes.fragment.empty()) {
@@ -346,7 +397,9 @@ FractureStatistics statistics(const FragmentSet& set, const StatisticsOptions& o
     result.roughness = rough.rms;
     result.hurst = std::move(rough.along);
   }
+  addJoints(result, meshes, options.tolerance, progress);
   addNotes(result, set, meshes);
+  addJointNotes(result);
   return result;
 }
 

@@ -55,6 +55,15 @@ StatisticsObject hurstJson(const std::vector<RoughnessAlong>& hurst) {
   return json;
 }
 
+StatisticsObject jointsJson(const std::optional<JointStatistics>& joints) {
+  if (!joints) return {};
+  return {{"gap", joints->gap},
+          {"difference",
+           joints->difference ? StatisticsObject(*joints->difference) : StatisticsObject()},
+          {"removed", joints->removed ? StatisticsObject(*joints->removed) : StatisticsObject()},
+          {"deep_share", joints->deepShare}};
+}
+
 StatisticsObject statisticsObject(const FractureStatistics& s) {
   return {{"faces_by", nameOf(s.rule)},
           {"plane_share", s.planeShare},
@@ -79,6 +88,13 @@ StatisticsObject statisticsObject(const FractureStatistics& s) {
           {"orientation", orientationJson(s)},
           {"roughness", s.roughness ? StatisticsObject(*s.roughness) : StatisticsObject()},
           {"hurst", hurstJson(s.hurst)},
+          {"joints", jointsJson(s.joints)},
+          {"coincident", s.coincident},
+          {"unmatched", s.unmatched},
+          {"objects", s.objects},
+          {"first_share", s.fragments.front().share},
+          {"consecutive_excess",
+           s.consecutiveExcess ? StatisticsObject(*s.consecutiveExcess) : StatisticsObject()},
           {"notes", s.notes}};
 }
 
@@ -102,6 +118,7 @@ StatisticsObject shapeJson(const FragmentShape& shape) {
       {"break_share", shape.breakShare},
       {"contacts", shape.contacts}};
   if (!shape.hasMesh) return json;
+  json["object"] = shape.object;
   json["neighbors"] = shape.neighbors;
   json["faces"] = shape.faces;
   json["vertices"] = shape.vertices;
@@ -136,7 +153,7 @@ std::string statisticsJson(const StatisticsReport& report) {
 
 std::string statisticsCsv(const StatisticsReport& report) {
   std::string text =
-      "id,mesh,share,break_share,contacts,neighbors,faces,vertices,interior,flat_faces,"
+      "id,mesh,share,break_share,contacts,object,neighbors,faces,vertices,interior,flat_faces,"
       "flat_vertices,corners\n";
   for (const FragmentShape& shape : report.statistics.fragments) {
     CsvRow row;
@@ -148,6 +165,7 @@ std::string statisticsCsv(const StatisticsReport& report) {
     const auto add = [&](auto member) {
       row.add(shape.hasMesh ? std::optional(shape.*member) : std::nullopt);
     };
+    add(&FragmentShape::object);
     add(&FragmentShape::neighbors);
     add(&FragmentShape::faces);
     add(&FragmentShape::vertices);

@@ -1,4 +1,5 @@
 // Prints statistics of a fracture as a table of text, beside published figures.
+#include <array>
 #include <string_view>
 
 #include "base/text/formatted.h"
@@ -87,6 +88,41 @@ std::string crackLines(const FractureStatistics& s) {
   return text;
 }
 
+std::string jointLines(const FractureStatistics& s) {
+  if (!s.joints) return {};
+  const std::array<double, 4>& gap = s.joints->gap;
+  std::string text =
+      valueLine("gap, % of the diagonal",
+                formatted("%.4f; 10 %% below %.4f, 90 %% below %.4f, 99 %% below %.4f",
+                          100.0 * gap[1], 100.0 * gap[0], 100.0 * gap[2], 100.0 * gap[3]));
+  if (s.joints->difference) {
+    text += valueLine("difference of both sides",
+                      formatted("%.4f %% of the diagonal, rms", 100.0 * *s.joints->difference));
+  }
+  if (s.joints->removed) {
+    text += valueLine("removed from cracks", formatted("%.2f %%", 100.0 * *s.joints->removed));
+  }
+  return text + valueLine("inside other fragments",
+                          formatted("%.2f %% of the surface", 100.0 * s.joints->deepShare));
+}
+
+std::string traceLines(const FractureStatistics& s) {
+  if (s.objects == 0) return {};
+  std::string text = valueLine("coincident vertices", formatted("%.1f %%", 100.0 * s.coincident));
+  if (s.unmatched > 0.0) {
+    text += valueLine("cracks without neighbor",
+                      formatted("%.2f %% of their area", 100.0 * s.unmatched));
+  }
+  if (s.consecutiveExcess) {
+    text += valueLine("order of fragments",
+                      formatted("share of the first %.3f, mean %.3f; consecutive ones touch %+.3f "
+                                "more often than any two",
+                                s.fragments[0].share, 1.0 / static_cast<double>(s.fragments.size()),
+                                *s.consecutiveExcess));
+  }
+  return text + valueLine("objects", formatted("%zu", s.objects));
+}
+
 }  // namespace
 
 std::string statisticsTable(const StatisticsReport& report) {
@@ -104,7 +140,7 @@ std::string statisticsTable(const StatisticsReport& report) {
   text += meanLines("neighbors", s.neighbors, "");
   text += valueLine("break area, median", formatted("%.4f of a fragment's surface", s.breakShare)) +
           publishedLines("break_share");
-  text += sizeLines(s.sizes) + crackLines(s);
+  text += sizeLines(s.sizes) + crackLines(s) + jointLines(s) + traceLines(s);
   for (const std::string& note : s.notes) text += "note: " + note + "\n";
   return text;
 }

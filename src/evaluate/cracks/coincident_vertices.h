@@ -1,0 +1,14 @@
+// Vertices that two meshes have in common.
+#pragma once
+
+#include <span>
+
+#include "evaluate/cracks/fragment_shape.h"
+
+namespace sherd {
+
+/// Returns the share of the vertices of triangles that have a vertex of another mesh within a
+/// distance.
+[[nodiscard]] double coincidentShare(std::span<const DividedMesh> meshes, double distance);
+
+}  // namespace sherd
