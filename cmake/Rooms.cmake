@@ -65,7 +65,7 @@ sherd_room(sherd pipeline
   deciding fracture fracture_stages guide_surfaces materials memory_estimate presets refracture refracture_islands
   refracture_meshes withheld)
 sherd_room(sherd evaluate/cracks
-  coincident_vertices contact_graph contact_plane crack_faces crack_roughness fragment_shape heights joint_gaps planar_areas
+  coincident_vertices contact_graph contact_plane crack_faces crack_roughness fragment_shape grid_trace heights joint_gaps planar_areas
   triangle_points)
 sherd_room(sherd evaluate
   assembly convexity distance_neighbors evaluate fit mesh_quality parting_splits published_figures size_fits statistics summary)

@@ -358,6 +358,21 @@ struct JointStatistics {
                            ///< it and farther from its surface than the tolerance
 };
 
+/// What vertices have of the grid of voxels that meshes were made on, along the coordinate axes.
+/// Vertices are those within cracks, up to 700 of each of up to 24 fragments.  A plane across an
+/// axis has a power of hundreds, grid or not; so cracks along the axes hide what there is.
+struct GridTrace {
+  std::size_t fragments = 0;  ///< measured, >= 1: those with 100 such vertices
+  double pitch = 0.0;         ///< world units
+  bool isKnown = false;  ///< by FragmentSet::voxelSize or StatisticsOptions::unit; else the pitch
+                         ///< of the greatest power, from a third of a median edge to three
+  double power = 0.0;  ///< |mean exp(2 pi i x.d / pitch)|^2 along the axes d, divided by that along
+                       ///< random directions, both as geometric means: 1 if there is no grid
+  double standardError = 0.0;  ///< of the power, over the fragments; 0 for one
+  double found = 0.0;  ///< share of the fragments whose direction of the greatest power is within
+                       ///< one degree of an axis; of random ones 0.0005 are
+};
+
 /// Statistics of a fracture, to be compared with real ones.
 struct FractureStatistics {
   std::vector<FragmentShape> fragments;  ///< [>= 1]
@@ -387,6 +402,7 @@ struct FractureStatistics {
                                           ///< absent where they are not rough
   std::vector<RoughnessAlong> hurst;      ///< absent directions: no crack is long enough
   std::optional<JointStatistics> joints;  ///< absent without meshes that touch
+  std::optional<GridTrace> grid{};        ///< absent without enough vertices within cracks
   double unmatched = 0.0;   ///< share of the area of cracks whose neighbor has no mesh here
   double coincident = 0.0;  ///< share of vertices that have one of another fragment within 2e-6 of
                             ///< the diagonal

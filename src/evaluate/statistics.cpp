@@ -18,6 +18,7 @@
 #include "evaluate/cracks/contact_graph.h"
 #include "evaluate/cracks/crack_roughness.h"
 #include "evaluate/cracks/fragment_shape.h"
+#include "evaluate/cracks/grid_trace.h"
 #include "evaluate/cracks/joint_gaps.h"
 #include "evaluate/distance_neighbors.h"
 #include "evaluate/parting_splits.h"
@@ -398,6 +399,8 @@ FractureStatistics statistics(const FragmentSet& set, const StatisticsOptions& o
     result.hurst = std::move(rough.along);
   }
   addJoints(result, meshes, options.tolerance, progress);
+  const bool hasVoxels = set.voxelSize > 0.0 || options.unit > 0.0;
+  result.grid = gridTraceOf(meshes.divided, hasVoxels ? result.unit : 0.0, progress);
   addNotes(result, set, meshes);
   addJointNotes(result);
   return result;

@@ -64,6 +64,13 @@ StatisticsObject jointsJson(const std::optional<JointStatistics>& joints) {
           {"deep_share", joints->deepShare}};
 }
 
+StatisticsObject gridJson(const std::optional<GridTrace>& grid) {
+  if (!grid) return {};
+  return {{"fragments", grid->fragments},          {"pitch", grid->pitch},
+          {"pitch_known", grid->isKnown},          {"power", grid->power},
+          {"standard_error", grid->standardError}, {"found", grid->found}};
+}
+
 StatisticsObject statisticsObject(const FractureStatistics& s) {
   return {{"faces_by", nameOf(s.rule)},
           {"plane_share", s.planeShare},
@@ -91,6 +98,7 @@ StatisticsObject statisticsObject(const FractureStatistics& s) {
           {"joints", jointsJson(s.joints)},
           {"coincident", s.coincident},
           {"unmatched", s.unmatched},
+          {"grid", gridJson(s.grid)},
           {"objects", s.objects},
           {"first_share", s.fragments.front().share},
           {"consecutive_excess",

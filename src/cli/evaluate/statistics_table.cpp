@@ -106,9 +106,18 @@ std::string jointLines(const FractureStatistics& s) {
                           formatted("%.2f %% of the surface", 100.0 * s.joints->deepShare));
 }
 
+std::string gridLine(const std::optional<GridTrace>& grid) {
+  if (!grid) return {};
+  return valueLine("grid of voxels",
+                   formatted("power %.2f +- %.2f, found in %.0f %% of %zu fragments; pitch %.4g%s",
+                             grid->power, grid->standardError, 100.0 * grid->found, grid->fragments,
+                             grid->pitch, grid->isKnown ? "" : ", a guess"));
+}
+
 std::string traceLines(const FractureStatistics& s) {
   if (s.objects == 0) return {};
-  std::string text = valueLine("coincident vertices", formatted("%.1f %%", 100.0 * s.coincident));
+  std::string text = valueLine("coincident vertices", formatted("%.1f %%", 100.0 * s.coincident)) +
+                     gridLine(s.grid);
   if (s.unmatched > 0.0) {
     text += valueLine("cracks without neighbor",
                       formatted("%.2f %% of their area", 100.0 * s.unmatched));
