@@ -141,6 +141,12 @@ void addIdleOfLayout(DatasetLayout layout, const OptionUse& use,
   }
 }
 
+// Draws what a preset draws, too.
+void addDraws(const std::string& preset, const CLI::App& command, DatasetOptions& options) {
+  const std::vector<DrawnOption> drawn = presetDraws(preset, options.each, useOf(command).isGiven);
+  options.drawn.insert(options.drawn.end(), drawn.begin(), drawn.end());
+}
+
 // Refuses choices, of one drawn option or of several, that contradict another option: the objects
 // for which they are drawn would fail.
 void checkChoices(const DatasetOptions& options, OptionUse use) {
@@ -245,11 +251,7 @@ CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
     DatasetOptions& options = arguments->options;
     sortAsGiven(options.drawn, *command);
     const CLI::Option* const preset = command->get_option("--preset");
-    if (preset->count() > 0) {
-      const std::vector<DrawnOption> drawn =
-          presetDraws(preset->as<std::string>(), options.each, useOf(*command).isGiven);
-      options.drawn.insert(options.drawn.end(), drawn.begin(), drawn.end());
-    }
+    if (preset->count() > 0) addDraws(preset->as<std::string>(), *command, options);
     const bool isPly = preset->count() > 0 && preset->as<std::string>() == "training";
     if (options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0 && !isPly) {
       options.each.write.meshFormats = {MeshFileFormat::obj};

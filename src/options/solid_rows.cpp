@@ -54,7 +54,8 @@ const Row kGeneralRows[]{
      .help = "Options of section 4.1 of the paper, or for training data; options that are given "
              "override them",
      .details = "set options to the paper's values, or to those for training networks (both "
-                "below; the latter also draws some by the seed); explicit options override the preset, in any "
+                "below; the latter also draws some by the seed); explicit options override the "
+                "preset, in any "
                 "order"},
     {.name = "material",
      .group = "",
