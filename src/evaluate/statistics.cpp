@@ -152,8 +152,9 @@ void chooseRule(FractureStatistics& result, const FragmentSet& set, const Meshes
   }
   result.planeShare = cracks > 0.0 ? inPlane / cracks : 0.0;
   if (options.faces == FaceRule::splits && set.splitParents.empty()) {
-    throw Error(ErrorCode::usage,
-                "statistics: the folder's manifest has no splits; choose planes or neighbors");
+    throw Error(
+        ErrorCode::usage,
+        "statistics: the folder's manifest has no splits; choose planes, neighbors or facets");
   }
   const FaceRule found = !set.splitParents.empty() ? FaceRule::splits
                          : isRough(result)         ? FaceRule::facets
@@ -311,8 +312,8 @@ void addJoints(FractureStatistics& result, const Meshes& meshes, double toleranc
     result.fragments[meshes.fragment[k]].object = graph.object[k] + 1;
   }
   result.consecutiveExcess = consecutiveExcess(graph, meshes.ids);
-  result.coincident =
-      coincidentShare(meshes.divided, kCoincident * glm::length(meshes.box.max - meshes.box.min));
+  result.coincident = coincidentShare(
+      meshes.divided, kCoincident * glm::length(meshes.box.max - meshes.box.min), progress);
   result.unmatched = unmatchedShare(meshes);
   result.joints = jointsOf(
       {meshes.divided, meshes.ids, graph, result.unit, tolerance, result.knownNeighbors}, progress);

@@ -7,7 +7,10 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <tuple>
 #include <vector>
+
+#include "base/cancel_flag.h"
 
 namespace sherd {
 namespace {
@@ -17,7 +20,8 @@ using Cell = std::array<double, 3>;
 
 }  // namespace
 
-double coincidentShare(std::span<const DividedMesh> meshes, double distance) {
+double coincidentShare(std::span<const DividedMesh> meshes, double distance,
+                       const Progress* progress) {
   struct Vertex {
     Cell cell;
     std::size_t mesh;
@@ -36,20 +40,25 @@ double coincidentShare(std::span<const DividedMesh> meshes, double distance) {
       if (isUsed[v]) vertices.push_back({cellOf(p), i, p});
     }
   }
-  const auto before = [](const Vertex& a, const Vertex& b) { return a.cell < b.cell; };
+  const auto before = [](const Vertex& a, const Vertex& b) {
+    return std::tie(a.cell, a.mesh) < std::tie(b.cell, b.mesh);
+  };
   std::sort(vertices.begin(), vertices.end(), before);
   std::vector<char> isCoincident(vertices.size());
   tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t i) {
+    if (i % 4096 == 0) throwIfCancelled(progress);
     const Vertex& own = vertices[i];
     for (int k = 0; k < 27 && !isCoincident[i]; ++k) {
       const Cell cell{own.cell[0] + k % 3 - 1, own.cell[1] + k / 3 % 3 - 1,
                       own.cell[2] + k / 9 - 1};
-      for (auto other =
-               std::lower_bound(vertices.begin(), vertices.end(), Vertex{cell, 0, {}}, before);
-           other != vertices.end() && other->cell == cell; ++other) {
-        if (other->mesh == own.mesh || glm::distance(other->at, own.at) > distance) continue;
-        isCoincident[i] = 1;
-        break;
+      auto other = std::lower_bound(vertices.begin(), vertices.end(), Vertex{cell, 0, {}}, before);
+      while (other != vertices.end() && other->cell == cell && !isCoincident[i]) {
+        if (other->mesh == own.mesh) {  // of which a cell may have very many
+          other = std::lower_bound(other, vertices.end(), Vertex{cell, own.mesh + 1, {}}, before);
+          continue;
+        }
+        isCoincident[i] = glm::distance(other->at, own.at) <= distance;
+        ++other;
       }
     }
   });

@@ -1,6 +1,8 @@
 // Vertices that two meshes have in common.
 #pragma once
 
+#include <sherd/progress.h>
+
 #include <span>
 
 #include "evaluate/cracks/fragment_shape.h"
@@ -9,6 +11,7 @@ namespace sherd {
 
 /// Returns the share of the vertices of triangles that have a vertex of another mesh within a
 /// distance.
-[[nodiscard]] double coincidentShare(std::span<const DividedMesh> meshes, double distance);
+[[nodiscard]] double coincidentShare(std::span<const DividedMesh> meshes, double distance,
+                                     const Progress* progress);
 
 }  // namespace sherd

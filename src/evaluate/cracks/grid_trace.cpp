@@ -32,6 +32,7 @@ constexpr std::size_t kMostFrequencies = 4000;
 constexpr std::size_t kScanDirections = 12;  // random ones, beside the axes
 constexpr int kMostHarmonic = 4;
 constexpr double kSameScore = 0.8;     // of the greatest: a lower harmonic is the grid
+constexpr double kMostPitches = 1e4;   // of a sample's radius: phases are in single precision
 constexpr double kLeastPower = 1e-12;  // logarithms stay finite
 
 const std::array<glm::dvec3, 3> kAxes{glm::dvec3(1, 0, 0), {0, 1, 0}, {0, 0, 1}};
@@ -123,7 +124,6 @@ using Sample = std::vector<glm::dvec3>;
 
 Sample sampleOf(const DividedMesh& mesh) {
   const std::vector<std::uint32_t> vertices = verticesWithinCracks(mesh);
-  if (vertices.size() < kLeastVertices) return {};
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;  // in a random order
   for (const std::uint32_t v : vertices) order.emplace_back(mixed(v + 1u), v);
   std::sort(order.begin(), order.end());
@@ -137,18 +137,27 @@ Sample sampleOf(const DividedMesh& mesh) {
   return sample;
 }
 
-/// Returns the samples of fragments evenly spread over their order.
-std::vector<Sample> samplesOf(std::span<const DividedMesh> meshes) {
-  std::vector<Sample> all;
+/// Returns the samples of fragments evenly spread over the order of those that have enough
+/// vertices.
+std::vector<Sample> samplesOf(std::span<const DividedMesh> meshes, const Progress* progress) {
+  std::vector<const DividedMesh*> all;
   for (const DividedMesh& mesh : meshes) {
-    if (Sample sample = sampleOf(mesh); !sample.empty()) all.push_back(std::move(sample));
+    throwIfCancelled(progress);
+    if (verticesWithinCracks(mesh).size() >= kLeastVertices) all.push_back(&mesh);
   }
-  if (all.size() <= kMostFragments) return all;
+  const std::size_t count = std::min(all.size(), kMostFragments);
   std::vector<Sample> some;
-  for (std::size_t k = 0; k < kMostFragments; ++k) {
-    some.push_back(std::move(all[k * all.size() / kMostFragments]));
-  }
+  for (std::size_t k = 0; k < count; ++k) some.push_back(sampleOf(*all[k * all.size() / count]));
   return some;
+}
+
+/// Returns the greatest distance of a point from the mean of its sample.
+double radiusOf(std::span<const Sample> samples) {
+  double radius = 0.0;
+  for (const Sample& sample : samples) {
+    for (const glm::dvec3& p : sample) radius = std::max(radius, glm::length(p));
+  }
+  return radius;
 }
 
 /// Returns the points of a sample at every other place, from the first or the second, or all.
@@ -184,10 +193,7 @@ double medianEdge(std::span<const DividedMesh> meshes) {
 /// Returns the pitch of the greatest power of the first halves of the samples, 0 without edges.
 double strongestPitch(std::span<const Sample> samples, double edge, const Progress* progress) {
   if (!(edge > 0.0)) return 0.0;
-  double radius = 0.0;
-  for (const Sample& sample : samples) {
-    for (const glm::dvec3& p : sample) radius = std::max(radius, glm::length(p));
-  }
+  const double radius = radiusOf(samples);
   const std::vector<glm::dvec3> others = hemisphere(kScanDirections);
   const auto scoreOf = [&](double frequency) {
     double sum = 0.0;
@@ -277,10 +283,11 @@ std::vector<double> powersAlong(const GridPoints& points, std::span<const glm::d
 
 std::optional<GridTrace> gridTraceOf(std::span<const DividedMesh> meshes, double pitch,
                                      const Progress* progress) {
-  const std::vector<Sample> samples = samplesOf(meshes);
+  const std::vector<Sample> samples = samplesOf(meshes, progress);
+  if (samples.empty()) return {};
   GridTrace trace{.fragments = samples.size(), .pitch = pitch, .isKnown = pitch > 0.0};
   if (!trace.isKnown) trace.pitch = strongestPitch(samples, medianEdge(meshes), progress);
-  if (samples.empty() || !(trace.pitch > 0.0)) return {};
+  if (!(trace.pitch > 0.0 && radiusOf(samples) <= kMostPitches * trace.pitch)) return {};
   const std::vector<glm::dvec3> others = hemisphere(kRandomDirections),
                                 search = hemisphere(kSearchDirections);
   const double closest = std::cos(glm::radians(kFoundDegrees));

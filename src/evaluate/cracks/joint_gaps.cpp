@@ -105,6 +105,9 @@ std::vector<std::uint32_t> towards(const DividedMesh& mesh, int id) {
   return triangles;
 }
 
+/// Of the determinant of sums over nodes by their number: less is that of nodes in one line.
+constexpr double kLeastSpread = 1e-9;
+
 /// The variance that a plane of a mean and a tilt leaves, of values at nodes.
 class Residual {
  public:
@@ -119,7 +122,10 @@ class Residual {
 
   /// The sum of the squares that are left.
   [[nodiscard]] double squares() const {
-    if (!(glm::determinant(normal_) > 0.0)) return squares_;
+    const auto n = static_cast<double>(count_);
+    if (!(glm::determinant(normal_) > kLeastSpread * n * n * n)) {  // nodes in one line: no tilt
+      return std::max(0.0, squares_ - right_.x * right_.x / n);
+    }
     return std::max(0.0, squares_ - glm::dot(right_, glm::inverse(normal_) * right_));
   }
 

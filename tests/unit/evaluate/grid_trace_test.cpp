@@ -113,7 +113,15 @@ TEST(GridTrace, LosesThePowerThatNoiseTakes) {
   const double noisy = traceOf(cracksOnAGrid(8, 0.5), kPitch)->power;
   const double kept = std::pow(std::sin(0.5 * std::numbers::pi) / (0.5 * std::numbers::pi), 2.0);
   EXPECT_GT(noisy, 0.5 * kept * exact);
+  EXPECT_LT(noisy, 2.0 * kept * exact);
   EXPECT_GT(noisy, 50.0);
+}
+
+// Phases of points that are 1e4 pitches apart are not known.
+TEST(GridTrace, IsNotMeasuredOfAPitchFarBelowTheMesh) {
+  for (const double pitch : {1e-6, 1e-30}) {
+    EXPECT_FALSE(traceOf(cracksOnAGrid(8, 0.0), pitch * kPitch)) << pitch;
+  }
 }
 
 // Along other axes than those of the grid there is none.
