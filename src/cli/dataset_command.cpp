@@ -141,9 +141,23 @@ void addIdleOfLayout(DatasetLayout layout, const OptionUse& use,
   }
 }
 
-// Draws what a preset draws, too.
+// Draws what a preset draws, too, but what contradicts a value that another option may get.
 void addDraws(const std::string& preset, const CLI::App& command, DatasetOptions& options) {
-  const std::vector<DrawnOption> drawn = presetDraws(preset, options.each, useOf(command).isGiven);
+  const OptionUse use = useOf(command);
+  std::vector<DrawnOption> drawn = presetDraws(preset, options.each, use.isGiven);
+  for (const DrawnOption& other : options.drawn) {
+    const std::vector<std::string> ends =
+        other.choices.empty() ? std::vector{other.low, other.high} : other.choices;
+    for (const std::string& end : ends) {
+      RunOptions each = options.each;
+      fractureOption(other.name)->value.set(each, end);
+      const std::vector<DrawnOption> possible = presetDraws(preset, each, use.isGiven);
+      std::erase_if(drawn, [&](const DrawnOption& option) {
+        return std::none_of(possible.begin(), possible.end(),
+                            [&](const DrawnOption& one) { return one.name == option.name; });
+      });
+    }
+  }
   options.drawn.insert(options.drawn.end(), drawn.begin(), drawn.end());
 }
 
@@ -251,7 +265,6 @@ CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
     DatasetOptions& options = arguments->options;
     sortAsGiven(options.drawn, *command);
     const CLI::Option* const preset = command->get_option("--preset");
-    if (preset->count() > 0) addDraws(preset->as<std::string>(), *command, options);
     const bool isPly = preset->count() > 0 && preset->as<std::string>() == "training";
     if (options.layout == DatasetLayout::bb && command->count("--mesh-format") == 0 && !isPly) {
       options.each.write.meshFormats = {MeshFileFormat::obj};
@@ -272,6 +285,7 @@ CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
         throw CLI::ValidationError("--" + drawn.name, e.what());
       }
     }
+    if (preset->count() > 0) addDraws(preset->as<std::string>(), *command, options);
     arguments->idle = idleOptionsOf(*command, *arguments);
     run = [arguments] { runDatasetCommand(*arguments); };
   });

@@ -279,10 +279,11 @@ std::vector<Rule> surfaceRules() {
        [](O o, U u) {
          const Surface surface = o.fracture.surface.surface;
          return (surface == Surface::labels || surface == Surface::exact) &&
-                !u.isGiven("interface") && o.fracture.surface.interface == Interface::independent;
+                !u.isGiven("interface") && o.fracture.surface.scanNoise.rms == 0.0 &&
+                o.fracture.surface.interface == Interface::independent;
        },
        "makes neighbors share vertices, which {preset} training prevents for smooth surfaces only",
-       {"surface", "interface"}},
+       {"surface", "interface", "scan-noise"}},
       {{"smoothing"},
        Verdict::idle,
        [](O o, U) {

@@ -239,6 +239,16 @@ class Training(SurfaceCase):
         run = self.run_sherd("fracture", out, "--only", "2", "-o", again, "--pieces", "2", "--preset", "training")
         self.assertEqual(run.returncode, 0, run.stderr)
 
+    def test_draws_nothing_that_contradicts_what_a_dataset_draws(self):
+        for given, without in ((("--adaptivity", "0..0.5"), {"mismatch", "scan-noise"}), (("--surface", "smooth|exact"), {"scan-noise"})):
+            with self.subTest(given=given):
+                data = self.path(f"out{len(os.listdir(self.tmp))}")
+                run = self.run_sherd("dataset", self.ball, "-o", data, "--preset", "training", "--resolution", "24", "--pieces", "3", "--repeats", "2", *given)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                with open(os.path.join(data, "index.jsonl")) as file:
+                    drawn = [json.loads(line)["options"] for line in file]
+                self.assertEqual({name for options in drawn for name in options}, {*DRAWN, given[0][2:]} - without)
+
     def test_a_datasets_fractures_draw_the_same(self):
         data = self.path("data")
         run = self.run_sherd("dataset", self.ball, "-o", data, "--preset", "training", "--resolution", "32", "--pieces", "6", "--repeats", "2")
@@ -284,7 +294,10 @@ class Training(SurfaceCase):
 
     def test_a_surface_that_shares_vertices_is_reported(self):
         words = "--surface makes neighbors share vertices"
-        for surface, more, given in ("labels", (), True), ("exact", (), True), ("smooth", (), False), ("labels", ("--interface", "shared"), False):
+        for surface, more, given in (
+            ("labels", (), False), ("labels", ("--scan-noise", "0%"), True), ("exact", (), True), ("smooth", (), False),
+            ("labels", ("--interface", "shared"), False),
+        ):
             with self.subTest(surface=surface, more=more):
                 out = self.path(f"out{len(os.listdir(self.tmp))}")
                 run = self.run_sherd("fracture", self.ball, "-o", out, "--resolution", "24", "--pieces", "3", "--preset", "training", "--surface", surface, *more)
