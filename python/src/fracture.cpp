@@ -6,7 +6,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <span>
 
 #include "appearance/source_faces.h"
 #include "base/memory.h"
@@ -349,7 +351,14 @@ std::vector<std::shared_ptr<GrownPieces>> broken(
   std::vector<sherd::GrownFracture> grown;
   {
     LeasedDevice leased(device);
-    grown = growTogether(ready, options, *leased, {}, &progress);
+    // Fractures that grow together have the growth of the first.
+    const bool isAnyDrawn = !drawn.empty() && !drawn.front().empty();
+    const std::size_t together = isAnyDrawn ? 1 : std::max<std::size_t>(options.size(), 1);
+    for (std::size_t first = 0; first < options.size(); first += together) {
+      auto some =
+          growTogether(ready, std::span(options).subspan(first, together), *leased, {}, &progress);
+      std::move(some.begin(), some.end(), std::back_inserter(grown));
+    }
   }
   std::vector<std::shared_ptr<GrownPieces>> all;
   for (std::size_t i = 0; i < grown.size(); ++i) {

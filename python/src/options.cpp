@@ -169,10 +169,13 @@ void bindOptions(nb::module_& module) {
   module.def(
       "idle_options",
       [](const GivenOptions& given, std::vector<std::string> names, std::string input,
-         const std::set<std::string, std::less<>>& drawn) {
+         std::set<std::string, std::less<>> drawn) {
         sherd::OptionUse use = useOf(std::move(names), std::move(input));
+        const RunOptions options = optionsFrom(given);
+        RunOptions tried = options;
+        for (const auto& [name, text] : drawnByPreset(given, tried)) drawn.insert(name);
         use.isDrawn = [&](std::string_view name) { return drawn.contains(name); };
-        return idleOptions(optionsFrom(given), use);
+        return idleOptions(options, use);
       },
       nb::arg("given"), nb::arg("names"), nb::arg("input"),
       nb::arg("drawn") = std::set<std::string, std::less<>>{});

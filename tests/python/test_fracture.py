@@ -417,3 +417,25 @@ def test_decimated_meshes_share_their_cracks():
                     cracks.setdefault(frozenset(map(tuple, face)), set()).add((fragment.id, other))
         assert cracks and all({(b, a) for a, b in sides} == sides for sides in cracks.values())
     assert pysherd.fracture(cube(), pieces=2, resolution=16)[0].coarse == []
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("options", ({}, {"growth": "sequential"}, {"min_share": 0}), ids=str)
+def test_a_preset_draws_for_each_of_many_fractures(options):
+    """What one seed draws does not depend on the others that are broken with it."""
+    solid = pysherd.voxelize(AMPHORA, resolution=32)
+    seeds = [3, 4, 5]
+    together = list(solid.fractures(pieces=[5], seeds=seeds, preset="training", **options))
+    roughness = set()
+    for seed, fracture in zip(seeds, together):
+        alone = pysherd.fracture(solid, pieces=5, seed=seed, preset="training", **options)
+        assert np.array_equal(fracture.labels, alone.labels)
+        assert [np.array_equal(a.vertices, b.vertices) for a, b in zip(fracture, alone)] == [True] * len(alone)
+        roughness.add(fracture.options["roughness"])
+    assert len(roughness) == len(seeds)
+
+
+def test_what_a_preset_draws_makes_options_matter(recwarn):
+    solid = pysherd.voxelize(AMPHORA, resolution=24)
+    pysherd.fracture(solid, pieces=3, preset="training", mismatch_common=0.5, missing_rule="any")
+    assert not [w for w in recwarn if "does nothing" in str(w.message)]
