@@ -106,6 +106,7 @@ bool isTorn(const TriangleMesh& mesh, const glm::uvec3& t, const std::vector<glm
   const glm::dvec3 across = glm::cross(a, b);
   const double area = glm::length(across);
   const auto isFar = [&](const glm::dvec3& way) {
+    if (area == 0.0) return way != glm::dvec3(0.0);
     const double along = glm::dot(way, across);
     const double within =
         std::sqrt(std::max(glm::dot(way, way) * area * area - along * along, 0.0));
@@ -116,7 +117,7 @@ bool isTorn(const TriangleMesh& mesh, const glm::uvec3& t, const std::vector<glm
 }
 
 // Moves vertices. Where the corners of a triangle would move too far apart, as of one whose height
-// is less than what noise moves it by, they move alike, by the mean, so that none turns over.
+// is less than what noise moves it by, they move alike, by the mean, so that hardly any turns over.
 //   by  [vertices] displacements; where they are 0 a vertex stays, and those beside it move less
 void moveUnfolded(TriangleMesh& mesh, std::vector<glm::dvec3> by) {
   std::vector<bool> stays(by.size());
