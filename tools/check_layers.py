@@ -5,7 +5,7 @@ usage: check_layers.py [--svg FILE]
 
 Prints the graph: for each folder those it includes, with the number of #include lines.  A public header counts as the lowest folder
 that knows its types.  Ends with status 1 where an edge points up, two units (a header with its source) include each other on any way, two
-modules of a Python package import each other, a folder has too many files, the program includes what is neither public nor in base/, a folder or a header is not listed, there are too
+modules of a Python package import each other, two files define types of one name, a folder has too many files, the program includes what is neither public nor in base/, a folder or a header is not listed, there are too
 many headers, or the diagram in docs/images/rooms.svg does not match this graph; --svg writes it.
 """
 import argparse
@@ -149,6 +149,22 @@ def crowded():
             if count > MOST_FILES and room not in MANY_FORMATS]
 
 
+def defined_twice():
+    """Returns a sentence for each name that two files give to types of the same namespace: a breach of one definition that no linker reports."""
+    files = collections.defaultdict(set)
+    for file in (file for folder in ("src", "include") for file in (ROOT / folder).rglob("*") if file.suffix in (".h", ".cpp")):
+        namespaces = []
+        for line in file.read_text().split("\n"):
+            if opened := re.match(r"namespace ?([\w:]*) ?\{", line):
+                namespaces.append(opened[1])
+            elif re.match(r"\}  ?// namespace", line):
+                namespaces.pop()
+            # Neither a member of another class nor a specialization, both of which are named after another type.
+            elif (defined := re.match(r"(?:struct|class|union) (?:\w+\(.*\) )?(\w+)(?: final)? (?:: [^:].*)?\{", line)) and "" not in namespaces:
+                files["::".join([*namespaces, defined[1]])].add(str(file.relative_to(ROOT)))
+    return [f"{name} is defined in {' and '.join(sorted(found))}" for name, found in sorted(files.items()) if len(found) > 1]
+
+
 def without_shortcuts(edges):
     """Returns the edges that no longer path implies."""
     below = collections.defaultdict(set)
@@ -189,7 +205,7 @@ def main():
     parser.add_argument("--svg", metavar="FILE", type=pathlib.Path, help="write the drawing")
     arguments = parser.parse_args()
     edges, faults = read_graph()
-    faults += circles(read_units(), "include") + circles(read_modules(), "import") + crowded()
+    faults += circles(read_units(), "include") + circles(read_modules(), "import") + crowded() + defined_twice()
     for room in ROOMS:
         below = [f"{other} {edges[room, other]}" for other in ROOMS if edges[room, other]]
         print(f"{room}: {', '.join(below) or 'nothing'}")
