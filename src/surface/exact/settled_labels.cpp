@@ -115,12 +115,16 @@ class Following {
     return own;
   }
 
-  bool isBeside(const std::vector<std::size_t>& voxels, std::uint16_t id) const {
+  // Whether some of these voxels touch an inside voxel of a fragment.
+  //   except  ascending: of voxels that do not count
+  bool isBeside(const std::vector<std::size_t>& voxels, std::uint16_t id,
+                const std::vector<std::size_t>& except = {}) const {
     return std::any_of(voxels.begin(), voxels.end(), [&](std::size_t voxel) {
       for (std::size_t side = 0; side < 6; ++side) {
         const std::size_t beside = voxelBeside(blocks_, voxel, side);
         if (beside == kNoVoxel || !blocks_.isInside(beside)) continue;
-        if (labels_.fragment[beside] == id) return true;
+        if (labels_.fragment[beside] != id) continue;
+        if (!std::binary_search(except.begin(), except.end(), beside)) return true;
       }
       return false;
     });
@@ -140,17 +144,8 @@ class Following {
     for (auto& [id, own] : gained) {
       std::sort(own.begin(), own.end());
       own.erase(std::unique(own.begin(), own.end()), own.end());
-      const auto touches = [&, id = id, &own = own](std::size_t voxel) {
-        for (std::size_t side = 0; side < 6; ++side) {
-          const std::size_t beside = voxelBeside(blocks_, voxel, side);
-          if (beside == kNoVoxel || !blocks_.isInside(beside)) continue;
-          if (labels_.fragment[beside] != id) continue;
-          if (!std::binary_search(own.begin(), own.end(), beside)) return true;
-        }
-        return false;
-      };
       for (const std::vector<std::size_t>& part : parts(own)) {
-        if (std::none_of(part.begin(), part.end(), touches)) return false;
+        if (!isBeside(part, id, own)) return false;
       }
       if (const auto known = voxels_.find(id); known != voxels_.end()) {
         std::set_union(known->second.begin(), known->second.end(), own.begin(), own.end(),
