@@ -43,11 +43,14 @@ std::pair<int, int> rangeFrom(const std::string& text, int least, int most) {
   return {number(text.substr(0, dots)), number(text.substr(dots + 2))};
 }
 
+std::pair<int, int> ascendingFrom(const std::string& text, int low, int high) {
+  const std::pair<int, int> range = rangeFrom(text, low, high);
+  if (range.first > range.second) refuseValue(text, "a range that ascends");
+  return range;
+}
+
 void setPieces(DatasetOptions& o, const std::string& text) {
-  const auto [fewest, most] = rangeFrom(text, 1, kMaxFragments);
-  if (fewest > most) refuseValue(text, "a range that ascends");
-  o.schedule.fewest = fewest;
-  o.schedule.most = most;
+  std::tie(o.schedule.fewest, o.schedule.most) = ascendingFrom(text, 1, kMaxFragments);
 }
 
 void setRepeats(DatasetOptions& o, const std::string& text) {
@@ -55,10 +58,7 @@ void setRepeats(DatasetOptions& o, const std::string& text) {
 }
 
 void setObjects(DatasetOptions& o, const std::string& text) {
-  const auto [fewest, most] = rangeFrom(text, 1, kMostObjects);
-  if (fewest > most) refuseValue(text, "a range that ascends");
-  o.assemblage.fewest = fewest;
-  o.assemblage.most = most;
+  std::tie(o.assemblage.fewest, o.assemblage.most) = ascendingFrom(text, 1, kMostObjects);
 }
 
 void setIntruders(DatasetOptions& o, const std::string& text) {
