@@ -25,7 +25,7 @@ for version in "$@"; do
     "$venv/bin/pip" install -q --disable-pip-version-check ${SHERD_BPY_WHEELS:+--find-links "$SHERD_BPY_WHEELS"} "bpy==$version"
     touch "$venv/done"
   fi
-  for tests in blender blender_pieces blender_physics blender_objects blender_manners; do
+  for tests in blender blender_pieces blender_physics blender_objects blender_again blender_manners; do
     echo "Blender $version: $tests"
     BLENDER_BIN=$PWD/$venv/bin/python OCL_ICD_VENDORS=pocl.icd /usr/bin/python3 -B "tests/cli/${tests}_test.py"
   done

@@ -56,18 +56,27 @@ def material(name, color):
 class Piece:
     """A fragment's file; mesh() makes a mesh relative to `origin` of it."""
 
-    def __init__(self, source, path, origin, exact):
-        """exact: whether its outside consists of parts of the source's triangles, else it is near them"""
+    def __init__(self, source, path, origin, exact, siblings=None):
+        """exact: whether its outside consists of parts of the source's triangles, else it is near them
+        siblings: of a piece that was broken again in its fracture, the ids of what became of it"""
         self.source, self.origin = source, origin
         self.names, self.vertex, self.face = read_ply(path)
         self.at = np.column_stack([self.vertex[axis] for axis in "xyz"])
-        self.places = Places(source, self.at, self.face["vertex_indices"], self.face[SOURCE_FACE])
+        if not exact or siblings is not None:
+            source.nearest = source.nearest or Nearest(source)
+        lies = self.face[SOURCE_FACE] if siblings is None else self.lies_on(source, siblings)
+        self.places = Places(source, self.at, self.face["vertex_indices"], lies)
         if not exact:
-            if source.nearest is None:
-                source.nearest = Nearest(source)
-            triangle = np.repeat(self.face[SOURCE_FACE][self.places.face], self.places.total)
-            source.nearest.settle(self.places, self.at, triangle)
+            source.nearest.settle(self.places, self.at, np.repeat(lies[self.places.face], self.places.total))
         self.neighbor = self.face["neighbor"].astype(np.int32)[self.places.face]
+
+    def lies_on(self, source, siblings):
+        """The source's triangle of each face, -1 on cracks between siblings: that at the face's middle, all others are of it."""
+        middles = self.at[self.face["vertex_indices"]].mean(axis=1)
+        lies = np.full(len(middles), -1)
+        for face in np.flatnonzero(~np.isin(self.face["neighbor"], siblings)).tolist():
+            lies[face] = source.nearest.tree.find_nearest(middles[face])[2]
+        return lies
 
     def mesh(self, name, materials, inside):
         """materials: of the source's slots; inside: of cracks"""

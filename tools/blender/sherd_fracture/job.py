@@ -9,15 +9,16 @@ import tempfile
 import time
 
 import bpy
-import numpy as np
+from mathutils import Matrix
 
+from .again import finished, home_of, origin_of, renew_neighbors
 from .diagnosis import counted, sentences
 from .export_mesh import Source
 from .failure import Failure
 from .glue import glue, move
 from .import_mesh import INSIDE_COLOR, Piece, material
 from .levels import Splits, mark, nest
-from .options import options
+from .options import options, options_again
 from .physics import leave_world, make_body, remove_world, world_of
 from .program import arguments_of, environment, preference, program
 from .progress import Progress
@@ -33,7 +34,7 @@ class Job:
     def __init__(self, context, key, choices, position=None, folder=""):
         """key: as of scene.key_of()"""
         self.key, self.name, self.choices, self.position = key, key[0], choices, position
-        self.process = self.scratch = self.collection = None
+        self.process = self.scratch = self.collection = self.again = self.siblings = None
         self.fragments, self.complete, self.notes, self.lonely = [], False, [], False
         self.progress, self.expected = Progress(), 0
         self.deadline = time.monotonic() + preference(context, "timeout", 600)
@@ -41,7 +42,7 @@ class Job:
         self.kept, self.shown, self.inside = bool(folder), False, choices.inside_material
         try:
             self.scratch = tempfile.mkdtemp(prefix="sherd-")
-            self.out = bpy.path.abspath(folder) if self.kept else os.path.join(self.scratch, "out")
+            self.out = bpy.path.abspath(folder) if self.kept else self.path("out")
             self.shown = self.show(context)
             self.export(context)
         except OSError as error:
@@ -57,9 +58,10 @@ class Job:
         """Starts the program."""
         choices = self.choices
         try:
-            command = [binary, "fracture", self.mesh, "-o", self.out, "--write", "labels,vdb,mesh" if self.kept else
-                       "mesh", "--json", "--progress", "--source-faces", *arguments_of(binary),
-                       *options(choices, self.position, self.weighted)]
+            words = options_again(choices, self.again, self.position) if self.again else [
+                self.mesh, "--write", "labels,vdb,mesh" if self.kept else "mesh", "--source-faces",
+                *options(choices, self.position, self.weighted)]
+            command = [binary, "fracture", *words, "-o", self.out, "--json", "--progress", *arguments_of(binary)]
             with open(self.path("report"), "wb") as report, open(self.path("errors"), "wb") as errors:
                 self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=report, stderr=errors,
                                                 env=environment(binary))
@@ -110,14 +112,30 @@ class Job:
                     self.materials[i] = slot.material
             self.source = Source(thing, mesh, evaluated.matrix_world)
             density = density_of(thing, mesh, self.choices.weight_group)
+            of_whole = density is not None or self.choices.wear
+            self.again = None if of_whole else finished(thing, mesh, evaluated.matrix_world, self.choices.folder)
+            if self.again:
+                self.source = Source(thing, mesh, self.again.rest)
+                self.source.at = self.again.at
         finally:
             evaluated.to_mesh_clear()
         self.weighted = density is not None
+        if self.again:
+            self.out = self.again.folder if self.kept else self.out
+            return
+        self.keep_home(thing)
         self.source.write_ply(self.mesh, density)
         applied = [name for name, are in (("modifiers", any(m.show_viewport for m in thing.modifiers)),
                                           ("shape keys", getattr(thing.data, "shape_keys", None))) if are]
         if applied:
             self.notes.append(f"the {' and '.join(applied)} of {thing.name} are applied to its pieces")
+
+    def keep_home(self, thing):
+        """Leaves the folder of the fracture that an object is a piece of as it is."""
+        if self.kept and home_of(thing, self.out) == os.path.realpath(self.out):
+            self.out = os.path.join(self.out, file_name(thing.name))
+            self.notes.append(f"{thing.name} is not as its file is, or needs options of a whole: it was broken as a mesh, and "
+                              f"its files are in {self.out}")
 
     def running(self):
         self.progress.read(self.path("errors"))
@@ -142,7 +160,9 @@ class Job:
     def messages(self):
         """Returns the error and the warnings of sherd, with the object's name in place of the temporary file's."""
         with open(self.path("errors"), encoding="utf-8", errors="replace") as file:
-            text = file.read().replace(self.mesh, self.thing.name).replace(os.path.basename(self.mesh), self.thing.name)
+            text = file.read()
+        if not self.again:
+            text = text.replace(self.mesh, self.thing.name).replace(os.path.basename(self.mesh), self.thing.name)
         warnings = [line[15:].strip() for line in text.splitlines() if line.startswith("sherd: warning:")]
         errors = [line[6:].strip() for line in text.splitlines()
                   if line.startswith("sherd:") and not line.startswith("sherd: warning:")]
@@ -168,13 +188,14 @@ class Job:
         """Makes the fragments and what belongs to them; a generator with a stop after each fragment."""
         manifest = self.manifest()
         self.notes += sentences(self.name, manifest)
-        self.expected = len(manifest["fragments"])
-        yield from self.build(context, manifest)
+        made = [each for each in manifest["fragments"] if not self.again or each.get("parent") == self.again.fragment]
+        self.expected = len(made)
+        yield from self.build(made)
         if not self.fragments:
             raise Failure(f"sherd withheld all fragments of {self.name}")
         splits, above = Splits(manifest), self.thing.get("sherd_level", 0)
         for fragment in self.fragments:
-            mark(fragment, splits, above)
+            mark(fragment, splits, above, self.siblings)
             yield
         discard_previews(self.name)
         for each in homes(context, self.thing):
@@ -188,6 +209,8 @@ class Job:
             if not self.choices.preview:
                 self.move_glue(context, manifest)
             self.hide(context)
+        if self.again and self.kept:
+            renew_neighbors(self.again, manifest, self.fragments)
         self.complete = True
 
     def name_preview(self):
@@ -219,24 +242,26 @@ class Job:
             why = "no piece touches" if bodies else "its pieces are no rigid bodies"
             self.notes.append(f"glue of {self.name} to {counted(lost, 'neighbor')} was removed: {why}")
 
-    def build(self, context, manifest):
+    def build(self, entries):
         """Makes the fragments, in a collection of their own; a generator with a stop after each."""
         thing = self.thing
         inside = bpy.data.materials.get(self.inside) if self.inside else None
         inside = inside or material("Sherd inside", INSIDE_COLOR)
         materials = self.materials or [material("Sherd outside", (0.8, 0.8, 0.8))]
         self.collection = bpy.data.collections.new(thing.name)
-        digits = max(3, len(str(manifest["fragments"][-1]["id"])))
-        for entry in manifest["fragments"]:
+        self.siblings = [entry["id"] for entry in entries] if self.again else None
+        digits = max(3, len(str(entries[-1]["id"])))
+        for entry in entries:
             if "files" not in entry or "mesh" not in entry["files"]:
                 continue  # withheld
             name = limited(thing.name, digits + 1) + f"_{entry['id']:0{digits}d}"
-            origin = np.array(entry["centroid"], np.float32).astype(float)  # rounded as in Blender
-            piece = Piece(self.source, os.path.join(self.out, entry["files"]["mesh"]), origin, entry["surface"] == "exact")
+            origin = origin_of(entry)
+            piece = Piece(self.source, os.path.join(self.out, entry["files"]["mesh"]), origin, entry["surface"] == "exact",
+                          self.siblings)
             mesh = piece.mesh(name, materials, inside)
             fragment = bpy.data.objects.new(name, mesh)
             piece.add_groups(fragment)
-            fragment.location = origin
+            fragment.matrix_basis = self.place(origin)
             self.take_place(fragment)
             fragment["sherd_fragment"] = entry["id"]
             fragment["sherd_volume"] = entry["volume"]
@@ -247,6 +272,11 @@ class Job:
             self.collection.objects.link(fragment)
             self.fragments.append(fragment)
             yield
+
+    def place(self, origin):
+        """The matrix of a fragment in world space."""
+        rest = Matrix.Translation(origin)
+        return self.again.moved @ rest if self.again else rest
 
     def take_place(self, fragment):
         """Gives a fragment, in world space, the object's parent and what it is displayed by."""

@@ -35,16 +35,17 @@ class Splits:
         return self.splits[common]["level"] if common else 1
 
 
-def mark(piece, splits, above):
+def mark(piece, splits, above, siblings=None):
     """Properties of a piece, and the face attributes piece and level, which old cracks keep.  `above`: the level of what was
-    broken."""
+    broken.  `siblings`: ids of the pieces that cracks are new between, where there are others."""
     fragment, mesh = piece["sherd_fragment"], piece.data
     piece["sherd_level"] = above + splits.level(fragment)
     piece["sherd_parent"] = splits.of_fragment.get(fragment, 0)
     neighbor, old = (read(mesh.attributes[name].data, "value", np.int32) for name in ("neighbor", "level"))
     others, which = np.unique(neighbor, return_inverse=True)
     levels = np.array([above + splits.crack(fragment, int(other)) if other else 0 for other in others], np.int32)
-    mark_faces(mesh, piece=fragment, level=np.where(neighbor > 0, levels[which.ravel()], old))
+    is_new = neighbor > 0 if siblings is None else np.isin(neighbor, siblings)
+    mark_faces(mesh, piece=fragment, level=np.where(is_new, levels[which.ravel()], old))
 
 
 def nest(collection, pieces, splits, shown):

@@ -17,8 +17,7 @@ def options(choices, position, weighted):
         words += ["--adaptivity", ADAPTIVITY]
     if choices.material != "NONE":
         words += ["--material", choices.material.lower()]
-    if choices.growth != "AUTO":
-        words += ["--growth", choices.growth.lower()]
+    words += growth_of(choices)
     length = (lambda voxels: f"{100 * voxels / choices.resolution:.6g}%") if choices.preview else "{:.6g}".format
     if choices.wear:
         words += ["--erode-iterations", length(choices.wear)]
@@ -26,9 +25,28 @@ def options(choices, position, weighted):
         words += ["--roughness", length(choices.roughness)]
     if weighted:
         words += ["--density-attribute", DENSITY]
-    if position is not None:
-        parts = [f"{x:.9g}" for x in position] + [str(choices.impact_pieces)]
-        if choices.impact_spread > 0:
-            parts.append(f"{choices.impact_spread:.6g}")
-        words += ["--impact=" + ",".join(parts)]  # one word: it may begin with a minus
+    words += impact_of(choices, position)
     return [str(word) for word in words]
+
+
+def options_again(choices, piece, position):
+    """Words for sherd that break a piece in the folder of its fracture, whose other options it takes over: a Finished."""
+    words = [piece.folder, "--only", piece.fragment, "--pieces", choices.pieces, "--seed", choices.seed,
+             "--material", choices.material.lower(), *growth_of(choices)]
+    if choices.roughness > 0:
+        words += ["--roughness", f"{choices.roughness:.6g}"]
+    words += impact_of(choices, None if position is None else piece.fracture_place(position))
+    return [str(word) for word in words]
+
+
+def growth_of(choices):
+    return [] if choices.growth == "AUTO" else ["--growth", choices.growth.lower()]
+
+
+def impact_of(choices, position):
+    if position is None:
+        return []
+    parts = [f"{x:.9g}" for x in position] + [str(choices.impact_pieces)]
+    if choices.impact_spread > 0:
+        parts.append(f"{choices.impact_spread:.6g}")
+    return ["--impact=" + ",".join(parts)]  # one word: it may begin with a minus
