@@ -180,12 +180,13 @@ struct ManifestFragment {
   double area = 0.0;
   double fractureArea = 0.0;
   std::size_t contacts = 0;
-  std::vector<std::string> meshes;  ///< [formats]; empty if none was written
-  std::string vdb;                  ///< empty if none was written
-  bool isOfVoxelFaces = false;      ///< the meshes are those of Surface::labels
-  bool isExact = false;             ///< the meshes are those of Surface::exact
-  int split = 0;                    ///< that it comes from, 1..splits; 0: none
-  std::vector<int> bodies;          ///< of the input, of which it has triangles, ascending
+  std::vector<std::string> meshes;                  ///< [formats]; empty if none was written
+  std::vector<std::vector<std::string>> decimated;  ///< [SurfaceOptions::triangles][formats]
+  std::string vdb;                                  ///< empty if none was written
+  bool isOfVoxelFaces = false;                      ///< the meshes are those of Surface::labels
+  bool isExact = false;                             ///< the meshes are those of Surface::exact
+  int split = 0;                                    ///< that it comes from, 1..splits; 0: none
+  std::vector<int> bodies;  ///< of the input, of which it has triangles, ascending
 };
 
 /// The fields of a manifest that are read.  Every file named by a field is in `files`.

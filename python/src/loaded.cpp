@@ -8,6 +8,7 @@
 #include "base/input_error.h"
 #include "base/memory.h"
 #include "folder/manifest/read_manifest.h"
+#include "folder/read/fragment_meshes.h"
 #include "fracture.h"
 #include "points/sample_surface.h"
 
@@ -99,6 +100,10 @@ std::vector<Fragment> LoadedPieces::made(const sherd::Progress& progress) {
     fragments[i].area = listed.area;
     fragments[i].fractureArea = listed.fractureArea;
     fragments[i].contacts = contacts_[i];
+    for (const std::vector<std::string>& files : listed.decimated) {
+      const fs::path file = sherd::listedFile(file_, sherd::meshWithNeighbors(files));
+      fragments[i].coarse.push_back(sherd::readMesh(file, {.maxMemory = sherd::freeMemory()}).mesh);
+    }
   }
   sherd::reportProgress(&progress, "read", 1.0);
   return fragments;

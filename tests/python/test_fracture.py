@@ -419,6 +419,16 @@ def test_decimated_meshes_share_their_cracks():
     assert pysherd.fracture(cube(), pieces=2, resolution=16)[0].coarse == []
 
 
+@pytest.mark.parametrize("formats", ["ply", "glb,obj,ply"])
+def test_decimated_meshes_are_loaded(tmp_path, formats):
+    fracture = pysherd.fracture(cube(), pieces=4, resolution=32, triangles=[400, 80])
+    fracture.save(tmp_path / "kept", write="mesh", mesh_format=formats, precision="double")
+    for made, read in zip(fracture, pysherd.load(tmp_path / "kept"), strict=True):
+        for one, other in zip(made.coarse, read.coarse, strict=True):
+            for expected, found in zip(one, other, strict=True):
+                assert np.array_equal(expected, found)
+
+
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("options", ({}, {"growth": "sequential"}, {"min_share": 0}), ids=str)
 def test_a_preset_draws_for_each_of_many_fractures(options):

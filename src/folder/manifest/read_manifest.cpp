@@ -101,6 +101,28 @@ std::string listed(const Json& value, const Names& files, const std::string& wha
   return name;
 }
 
+// Returns the files of one mesh: a path, or a list of one in each format.
+std::vector<std::string> meshFiles(const Json& value, const Names& files, const std::string& what) {
+  std::vector<std::string> paths;
+  for (const Json& path : value.is_array() ? value : Json::array({value})) {
+    paths.push_back(listed(path, files, what));
+  }
+  return paths;
+}
+
+// Returns the files of decimated meshes.
+std::vector<std::vector<std::string>> decimatedIn(const Json& list, const Names& files,
+                                                  const std::string& where) {
+  if (!list.is_array()) damaged(where + "'s \"decimated\" is not a list");
+  std::vector<std::vector<std::string>> meshes;
+  for (const Json& mesh : list) {
+    meshes.push_back(meshFiles(field(mesh, "file", where + "'s decimated mesh"), files,
+                               where + "'s decimated mesh"));
+    if (meshes.back().empty()) damaged(where + "'s decimated mesh has no file");
+  }
+  return meshes;
+}
+
 ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   const std::string where = "fragment " + std::to_string(id);
   ManifestFragment fragment;
@@ -127,10 +149,10 @@ ManifestFragment fragmentOf(const Json& json, int id, const Names& files) {
   const Json& own = field(json, "files", where);
   if (!own.is_object()) damaged(where + "'s \"files\" is not an object");
   if (const auto mesh = own.find("mesh"); mesh != own.end()) {
-    const Json paths = mesh->is_array() ? *mesh : Json::array({*mesh});
-    for (const Json& path : paths) {
-      fragment.meshes.push_back(listed(path, files, where + "'s mesh"));
-    }
+    fragment.meshes = meshFiles(*mesh, files, where + "'s mesh");
+  }
+  if (const auto list = json.find("decimated"); list != json.end()) {
+    fragment.decimated = decimatedIn(*list, files, where);
   }
   if (const auto vdb = own.find("vdb"); vdb != own.end()) {
     fragment.vdb = listed(*vdb, files, where + "'s level set");

@@ -74,6 +74,25 @@ TEST(ReadManifest, BodiesAreNumbersOfTheInputs) {
   }
 }
 
+TEST(ReadManifest, DecimatedMeshesAreListedFiles) {
+  Json json = twoFragments();
+  json["fragments"][1]["decimated"] = {{{"asked", 500}, {"file", {"meshes/b.obj", "meshes/b.ply"}}},
+                                       {{"asked", 100}, {"file", "meshes/b.ply"}}};
+  const Manifest manifest = manifestOf(json);
+  EXPECT_TRUE(manifest.fragments[0].decimated.empty());
+  ASSERT_EQ(manifest.fragments[1].decimated.size(), 2u);
+  EXPECT_EQ(manifest.fragments[1].decimated[0],
+            (std::vector<std::string>{"meshes/b.obj", "meshes/b.ply"}));
+  EXPECT_EQ(manifest.fragments[1].decimated[1], std::vector<std::string>{"meshes/b.ply"});
+  for (const Json& bad :
+       {Json(3), Json({3}), Json({{{"asked", 1}}}), Json({{{"file", Json::array()}}}),
+        Json({{{"file", "../a.ply"}}}), Json({{{"file", "other.ply"}}})}) {
+    EXPECT_NE(refusal("/fragments/0/decimated", bad).find("is damaged: fragment 1"),
+              std::string::npos)
+        << bad;
+  }
+}
+
 TEST(ReadManifest, GivesWhatIsThere) {
   const Manifest manifest = manifestOf(twoFragments());
   EXPECT_EQ(manifest.source, "vase.obj");
