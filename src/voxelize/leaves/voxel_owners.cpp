@@ -4,8 +4,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 
 #include "base/cancel_flag.h"
 #include "mesh/search/boxes.h"
@@ -24,6 +27,28 @@ constexpr double kNear = kHalfWidthVoxels;
 constexpr std::size_t kMostInALeaf = 256;
 
 constexpr std::size_t kPairsAtOnce = std::size_t{1} << 22;  // are sorted
+
+// Surfaces whose distances differ by less, voxels, are equally near: for each voxel of the
+// coordinate, as rounding grows with it.
+constexpr double kEquallyNear = 1e-9;
+
+// Returns the part of the pseudonormal of a triangle's surface at the point of it that is nearest
+// to p: the normal by the angle of the triangle there.  The sum over all triangles at that point
+// tells the sides of a surface apart, at edges and vertices too.
+//   source  Baerentzen, Aanaes: Signed distance computation using the angle weighted pseudonormal,
+//           2005
+glm::dvec3 pseudonormalPart(const std::array<glm::dvec3, 3>& t, const glm::dvec3& nearest) {
+  const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  if (normal == glm::dvec3(0.0)) return normal;
+  const std::array<glm::dvec3, 3> to{t[0] - nearest, t[1] - nearest, t[2] - nearest};
+  double angle = 0.0;  // between the corners, seen from the point; of a corner that it is none
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 &a = to[k], &b = to[(k + 1) % 3];
+    const double lengths = glm::length(a) * glm::length(b);
+    if (lengths > 0.0) angle += std::acos(std::clamp(glm::dot(a, b) / lengths, -1.0, 1.0));
+  }
+  return angle * glm::normalize(normal);
+}
 
 // Returns [components] their boxes.
 std::vector<Box> boxesOf(const TriangleTree& tree, const MeshComponents& components) {
@@ -105,15 +130,40 @@ void VoxelOwners::findOwners(std::size_t slot) {
         tree_.nearest(glm::dvec3(at.x(), at.y(), at.z()), kReach, guess);
     if (nearest.triangle == TriangleTree::kNone) continue;
     guess = nearest.triangle;
-    owner_[slot * 512 + v] = components_.ofTriangle[tree_.source(nearest.triangle)];
+    owner_[slot * 512 + v] = ownerAt(glm::dvec3(at.x(), at.y(), at.z()), nearest);
   }
+}
+
+std::uint32_t VoxelOwners::ownerAt(const glm::dvec3& p,
+                                   const TriangleTree::Nearest& nearest) const {
+  const auto componentOf = [&](std::uint32_t t) { return components_.ofTriangle[tree_.source(t)]; };
+  const auto nearestOn = [&](const std::array<glm::dvec3, 3>& t) {
+    return nearestOnTriangle(p, t[0], t[1], t[2]);
+  };
+  const std::array<glm::dvec3, 3> own = tree_.corners(nearest.triangle);
+  const glm::dvec3 normal = glm::cross(own[1] - own[0], own[2] - own[0]);
+  if (glm::dot(normal, p - nearestOn(own)) < 0.0) return componentOf(nearest.triangle);
+  // The voxel is inside, and in front of its nearest triangle.
+  const double reach = nearest.distance + kEquallyNear * (1.0 + glm::length(p));
+  std::map<std::uint32_t, glm::dvec3> pseudonormal;
+  for (const std::uint32_t t : tree_.meeting({p - reach, p + reach})) {
+    const std::array<glm::dvec3, 3> corners = tree_.corners(t);
+    const glm::dvec3 at = nearestOn(corners);
+    if (glm::length(p - at) > reach) continue;
+    pseudonormal.try_emplace(componentOf(t), 0.0).first->second += pseudonormalPart(corners, at);
+  }
+  const glm::dvec3 out = p - nearestOn(own);
+  for (const auto& [component, sum] : pseudonormal) {
+    if (glm::dot(sum, out) < 0.0) return component;
+  }
+  return componentOf(nearest.triangle);
 }
 
 std::uint32_t VoxelOwners::ownerOf(std::size_t voxel) const {
   const openvdb::Coord at = blocks_.voxelAt(voxel);
   const TriangleTree::Nearest nearest = tree_.nearest(glm::dvec3(at.x(), at.y(), at.z()), kReach);
   if (nearest.triangle == TriangleTree::kNone) return kNone;
-  return components_.ofTriangle[tree_.source(nearest.triangle)];
+  return ownerAt(glm::dvec3(at.x(), at.y(), at.z()), nearest);
 }
 
 std::vector<std::array<std::uint32_t, 2>> VoxelOwners::neighbors() const {

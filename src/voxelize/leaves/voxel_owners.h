@@ -14,7 +14,9 @@
 namespace sherd {
 
 /// Which component's surface inside voxels are nearest to, where several come near.  An inside
-/// voxel belongs to that component: the way from it to another would leave its body first.
+/// voxel belongs to that component: the way from it to another would leave its body first.  Of
+/// surfaces that are equally near, as those of bodies whose gap is lost in rounding, it is the one
+/// behind which the voxel lies.
 class VoxelOwners {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -58,6 +60,8 @@ class VoxelOwners {
  private:
   void findNear(const Progress* progress);
   void findOwners(std::size_t slot);
+  [[nodiscard]] std::uint32_t ownerAt(const glm::dvec3& p,
+                                      const TriangleTree::Nearest& nearest) const;
   void addNeighbors(std::size_t slot, std::vector<std::array<std::uint32_t, 2>>& found) const;
 
   const LeafBlocks& blocks_;

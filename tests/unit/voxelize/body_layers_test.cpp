@@ -300,6 +300,55 @@ TEST_F(BodyLayers, ExactFragmentsAreOfOneBody) {
   }
 }
 
+// A box of three cells along x, so that the nearest of several triangles may be any.
+TriangleMesh slab(double low, double high) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < 4; ++k) mesh.vertices.emplace_back(i, k & 1, (k & 2) == 0 ? low : high);
+  }
+  const auto add = [&](unsigned a, unsigned b, unsigned c, unsigned d) {
+    mesh.triangles.emplace_back(a, b, c);
+    mesh.triangles.emplace_back(a, c, d);
+  };
+  for (unsigned i = 0; i < 12; i += 4) {
+    add(i, i + 1, i + 5, i + 4);
+    add(i + 2, i + 6, i + 7, i + 3);
+    add(i, i + 4, i + 6, i + 2);
+    add(i + 1, i + 3, i + 7, i + 5);
+  }
+  add(0, 2, 3, 1);
+  add(12, 13, 15, 14);
+  return mesh;
+}
+
+// In the space of voxels the two have one plane in common.
+TEST_F(BodyLayers, AGapOfTheLastBitIsOne) {
+  const double middle = 0.481223718069968;
+  const TriangleMesh below = slab(0.0, middle),
+                     above = slab(std::nextafter(middle, 1.0), 2.0 * middle);
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    FractureOptions options{.pieces = 13, .seed = seed, .solid = {.resolution = 40}};
+    options.surface = {.levelSets = false, .surface = Surface::exact};
+    const FractureResult result = fracture(shapes::append(below, above), options, device());
+    ASSERT_EQ(result.exactFailure, "");
+    double sumBelow = 0.0;
+    std::vector<bool> isBelow{false};  // [ids]
+    for (const Fragment& fragment : result.fragments) {
+      EXPECT_GT(fragment.mass.volume, 0.0);
+      const Box box = bounds(fragment.mesh);
+      isBelow.push_back(box.max.z <= middle);
+      EXPECT_TRUE(isBelow.back() || box.min.z > middle);
+      if (isBelow.back()) sumBelow += fragment.mass.volume;
+    }
+    EXPECT_NEAR(sumBelow, volume(below), 1e-9);
+    result.labels.blocks->forEachInside([&](std::size_t voxel) {
+      const openvdb::Coord at = result.labels.blocks->voxelAt(voxel);
+      const double z = result.solid.frame.worldFromIndex(glm::dvec3(at.x(), at.y(), at.z())).z;
+      EXPECT_EQ(z < middle, isBelow[result.labels.fragment[voxel]]);
+    });
+  }
+}
+
 TEST_F(BodyLayers, BodiesOfDifferentLayersAreDecimatedEachForItself) {
   const double gap = 0.2 / 40;
   const TriangleMesh mesh = shapes::append(shapes::cube(1.0), shapes::cube(1.0, {1.0 + gap, 0, 0}));
