@@ -277,6 +277,12 @@ ExactSurface cutTogether(const Solid& solid, const Labels& labels,
                 "fragment " + std::to_string(i + 1) +
                 " would be several bodies, since parts of the open mesh are near each other"};
   }
+  const std::vector<std::uint64_t> voxels = countVoxels(labels);
+  for (std::size_t i = 0; i < surface.meshes.size(); ++i) {
+    if (voxels[i + 1] == 0 || !surface.meshes[i].mesh.triangles.empty()) continue;
+    return {.failure = "fragment " + std::to_string(i + 1) +
+                       " would be empty: no part of the mesh lies within its cracks"};
+  }
   if (isShell(solid)) surface.united.before = surface.united.after = 0;  // its folds, no bodies
   return surface;
 }

@@ -476,6 +476,22 @@ TEST(Exact, IslandsThatTouchEachOtherGoToTheirNeighbors) {
   EXPECT_NEAR(volume(surface.meshes[1].mesh), 0.2, 1e-12);
 }
 
+// One voxel of a fold is a fragment, and no part of the shell lies within its cracks.
+TEST(Exact, AFragmentThatWouldBeEmptyIsSmooth) {
+  const TriangleMesh fold{{{0, 0, 0},
+                           {3, 0, 0},
+                           {3, 0.15410862509615883, 0.37525364149331519},
+                           {0, 0.15410862509615883, 0.37525364149331519},
+                           {0, 1, 0},
+                           {3, 1, 0}},
+                          {{0, 1, 2}, {0, 2, 3}, {3, 2, 5}, {3, 5, 4}}};
+  FractureOptions options = exactOptions(26, 48, 2.196427);
+  options.seed = 11519802206593318077u;
+  const FractureResult result = broken(fold, options);
+  EXPECT_NE(result.exactFailure.find("would be empty"), std::string::npos) << result.exactFailure;
+  for (const Fragment& fragment : result.fragments) EXPECT_FALSE(fragment.mesh.triangles.empty());
+}
+
 TEST(Exact, RealMeshesKeepTheirSurface) {
   const char* folder = std::getenv("SHERD_TEST_DATA");
   if (folder == nullptr) {
