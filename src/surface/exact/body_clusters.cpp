@@ -51,6 +51,11 @@ void forEachAtSurface(const LeafBlocks& blocks, const VoxelMask& outside, std::s
   }
 }
 
+// Whether a label is that of a fragment: eroded voxels are of none.
+bool isOfFragment(const Labels& labels, std::uint16_t label) {
+  return label != 0 && label <= labels.fragmentCount;
+}
+
 // Unites labels, which are numbered from `first`, where their voxels share a face in one layer.
 void uniteTouching(const Labels& labels, std::uint32_t first, UnionFind& sets) {
   const LeafBlocks& blocks = *labels.blocks;
@@ -62,6 +67,7 @@ void uniteTouching(const Labels& labels, std::uint32_t first, UnionFind& sets) {
       if (next == kNoVoxel || !blocks.isInside(next)) continue;
       const std::uint16_t other = labels.fragment[next];
       if (other == own || std::pair{own, other} == last) continue;
+      if (!isOfFragment(labels, own) || !isOfFragment(labels, other)) continue;
       if (blocks.layerOf(voxel) != blocks.layerOf(next)) continue;
       last = {own, other};
       sets.unite(first + own, first + other);
@@ -104,7 +110,7 @@ class Clusters {
       const double squared = glm::dot(at - index, at - index);
       if (squared >= least) continue;
       const Coord voxel(static_cast<int>(at.x), static_cast<int>(at.y), static_cast<int>(at.z));
-      if (!reader.isInside(voxel)) continue;
+      if (!reader.isInside(voxel) || !isOfFragment(labels_, reader.at(voxel))) continue;
       const std::uint32_t leaf = findLeaf(*solid_.blocks, voxel);
       if (solid_.blocks->layerOf(std::size_t{leaf} * 512 + offsetFromCoord(voxel)) != layer) {
         continue;
@@ -152,6 +158,7 @@ class Clusters {
       known.clear();
       forEachAtSurface(blocks, outside, leaf, [&](std::size_t voxel) {
         const std::uint16_t label = labels_.fragment[voxel];
+        if (!isOfFragment(labels_, label)) return;
         if (std::find(known.begin(), known.end(), label) != known.end()) return;
         known.push_back(label);
         const LayerTree& of = treeOf(blocks.layerOf(voxel), trees);

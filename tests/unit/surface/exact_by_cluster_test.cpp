@@ -442,6 +442,24 @@ TEST(BodyClusters, HaveAllTrianglesAndFragmentsOnce) {
   EXPECT_EQ(found.clusters.size(), 3u);
 }
 
+TEST(BodyClusters, ErodedVoxelsAreOfNoFragment) {
+  for (const auto& [x, count] : {std::pair{1.01, 2u}, std::pair{1.0, 1u}}) {
+    const TriangleMesh mesh =
+        shapes::append(box({0, 0, 0}, glm::dvec3(1.0)), box({x, 0.2, 0.0}, glm::dvec3(1.0)));
+    Clustered found = clustersOf(mesh, 6, 40);
+    std::size_t i = 0;
+    found.labels.blocks->forEachInside([&](std::size_t voxel) {
+      if (++i % 3 == 0) found.labels.fragment[voxel] = Labels::kEroded;
+    });
+    const auto eroded = bodyClusters(found.solid, *found.solid.mesh, found.labels);
+    ASSERT_EQ(eroded.size(), count);
+    for (std::size_t c = 0; c < count; ++c) {
+      EXPECT_EQ(eroded[c].fragments, found.clusters[c].fragments);
+      EXPECT_EQ(eroded[c].triangles, found.clusters[c].triangles);
+    }
+  }
+}
+
 TEST(BodyClusters, AreSolidsWithTheirOwnVoxels) {
   const TriangleMesh mesh =
       shapes::append(box({0, 0, 0}, glm::dvec3(1.0)), box({1.01, 0.2, 0.0}, glm::dvec3(1.0)));
