@@ -10,6 +10,12 @@
 
 namespace sherd {
 
+/// For text whose file the caller adds.
+///   throws  Error(input) what
+[[noreturn]] inline void inputError(const std::string& what) {
+  throw Error(ErrorCode::input, what);
+}
+
 ///   throws  Error(input) "FILE: what"
 [[noreturn]] inline void inputError(const std::filesystem::path& file, const std::string& what,
                                     OptionNames options = {}) {

@@ -15,6 +15,8 @@ namespace sherd {
 class Assembly {
  public:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  /// Of the diagonal; a point this near lies on a surface.
+  static constexpr double kRounding = 2e-6;
 
   /// Position of a point relative to all fragments except one.
   struct Location {

@@ -16,8 +16,6 @@
 namespace sherd {
 namespace {
 
-constexpr double kRounding = 2e-6;  // of the diagonal, as in fit()
-
 /// Returns the index of the fragment behind a point of fragment i, or kNone.
 std::size_t behind(const Assembly& assembly, std::size_t i, const glm::dvec3& point,
                    const glm::dvec3& normal, double tolerance, double rounding) {
@@ -66,8 +64,8 @@ std::vector<BehindTriangles> neighborsByDistance(std::span<const FragmentMesh> f
   const double diagonal = glm::length(assembly.box().max - assembly.box().min);
   std::vector<BehindTriangles> result(fragments.size());
   tbb::parallel_for(std::size_t{0}, fragments.size(), [&](std::size_t i) {
-    result[i] =
-        classify(assembly, i, tolerance * diagonal, kRounding * diagonal, spacing, progress);
+    result[i] = classify(assembly, i, tolerance * diagonal, Assembly::kRounding * diagonal, spacing,
+                         progress);
   });
   return result;
 }

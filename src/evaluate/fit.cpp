@@ -18,7 +18,6 @@
 namespace sherd {
 namespace {
 
-constexpr double kRounding = 2e-6;           // of the diagonal; a point this near lies on a surface
 constexpr std::size_t kTriesPerPoint = 32;   // a shell fills little of its box
 constexpr std::size_t kCancelInterval = 64;  // points between checks for cancellation
 
@@ -265,7 +264,7 @@ Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
                       wholeDistance ? &*wholeDistance : nullptr,
                       options,
                       options.tolerance * result.diagonal,
-                      kRounding * result.diagonal,
+                      Assembly::kRounding * result.diagonal,
                       idsOf(fragments),
                       progress};
 

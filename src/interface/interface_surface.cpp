@@ -14,8 +14,6 @@
 namespace sherd {
 namespace {
 
-bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kEroded; }
-
 bool hasLowerLabel(const InterfaceQuad& a, const InterfaceQuad& b) { return a.label < b.label; }
 
 }  // namespace

@@ -31,9 +31,6 @@ struct Face {
   InterfaceQuad* quad = nullptr;
 };
 
-// The outside and eroded voxels have no mesh.
-bool hasMesh(std::uint16_t label) { return label != 0 && label != Labels::kEroded; }
-
 class SheetSplitter {
  public:
   SheetSplitter(std::span<const std::uint32_t> nonManifold,

@@ -10,6 +10,11 @@
 
 namespace sherd {
 
+/// The outside and eroded voxels have no mesh.
+[[nodiscard]] inline bool hasMesh(std::uint16_t label) {
+  return label != 0 && label != Labels::kEroded;
+}
+
 /// The vertices of the mesh of all labels.  Each belongs to one label; vertices of several labels
 /// may share a position.
 struct InterfaceVertices {

@@ -7,6 +7,10 @@
 
 namespace sherd {
 
+inline constexpr double kUnitRoundoff = 0x1p-53;
+/// Covers underflow in a product, in bounds of errors of doubles.
+inline constexpr double kUnderflow = 1e-290;
+
 /// A number within `error` of high + low, where `low` is at most half a unit in the last place of
 /// `high`.  The error is infinite or NaN after an overflow, and then no sign is known.
 ///   source  Joldes, Muller, Popescu: Tight and Rigorous Error Bounds for Basic Building Blocks of

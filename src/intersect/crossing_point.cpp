@@ -12,9 +12,6 @@
 namespace sherd {
 namespace {
 
-constexpr double kEpsilon = 0x1p-53;
-constexpr double kTiny = 1e-290;  // covers underflow in a product
-
 void roundExactly(ExactPoint& p, int axis) { roundAlong(positionOf(p), axis, p); }
 
 // Returns true if every number within the error rounds to `high`.
@@ -51,7 +48,7 @@ struct Difference {
   Difference(const ExactPoint& a, const ExactPoint& b, int k)
       : value(a.rounded[k] - b.rounded[k]),
         error(std::abs(a.rest[k]) + a.error[k] + std::abs(b.rest[k]) + b.error[k] +
-              kEpsilon * std::abs(value)) {}
+              kUnitRoundoff * std::abs(value)) {}
 
   [[nodiscard]] bool isZero() const { return value == 0.0 && error == 0.0; }
 
@@ -98,8 +95,8 @@ int orientation(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, i
   const double left = qu.value * rv.value, right = qv.value * ru.value, value = left - right;
   // Three roundings, and those of the bound.
   const double bound = 1.001 * (qu.errorOf(rv) + qv.errorOf(ru) +
-                                4.0 * kEpsilon * (std::abs(left) + std::abs(right))) +
-                       kTiny;
+                                4.0 * kUnitRoundoff * (std::abs(left) + std::abs(right))) +
+                       kUnderflow;
   if (value > bound) return 1;
   if (value < -bound) return -1;
   if (const std::optional<int> sign = preciseOrientation(p, q, r, axis)) return *sign;

@@ -13,9 +13,6 @@
 namespace sherd {
 namespace {
 
-constexpr double kEpsilon = 0x1p-53;
-constexpr double kTiny = 1e-290;  // covers underflow in a product
-
 ExactPoint roundedPoint(HomogeneousPoint exact) {
   ExactPoint p;
   p.isVertex = false;
@@ -86,7 +83,8 @@ void roundAlong(const HomogeneousPoint& exact, int axis, ExactPoint& p) {
   p.rounded[axis] = quotient(product, exact.weight);
   const Dyadic rest = product - Dyadic(p.rounded[axis]) * exact.weight;
   p.rest[axis] = quotient(rest, exact.weight);
-  p.error[axis] = rest.sign() == 0 ? 0.0 : std::abs(p.rest[axis]) * 2.0 * kEpsilon + kTiny;
+  p.error[axis] =
+      rest.sign() == 0 ? 0.0 : std::abs(p.rest[axis]) * 2.0 * kUnitRoundoff + kUnderflow;
 }
 
 int compare(const ExactPoint& p, const ExactPoint& q, int axis) {

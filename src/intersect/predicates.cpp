@@ -12,10 +12,8 @@ namespace sherd {
 namespace {
 
 // Shewchuk's bound A of orient3d, relative to the sum of the products' sizes.
-constexpr double kEpsilon = 0x1p-53;
-constexpr double kRelativeError = (7.0 + 56.0 * kEpsilon) * kEpsilon;
+constexpr double kRelativeError = (7.0 + 56.0 * kUnitRoundoff) * kUnitRoundoff;
 // That bound leaves out underflow.
-constexpr double kTiny = 1e-290;
 
 int exactOrientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
                      const glm::dvec3& d) {
@@ -38,7 +36,7 @@ int orientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
   const double size = (std::abs(yz) + std::abs(zy)) * std::abs(ad.x) +
                       (std::abs(zx) + std::abs(xz)) * std::abs(ad.y) +
                       (std::abs(xy) + std::abs(yx)) * std::abs(ad.z);
-  const double bound = kRelativeError * size + kTiny;
+  const double bound = kRelativeError * size + kUnderflow;
   if (value > bound) return 1;
   if (value < -bound) return -1;
   return exactOrientation(a, b, c, d);

@@ -17,8 +17,6 @@ namespace {
 constexpr int kDeepest = 16;
 constexpr std::uint64_t kBytesPerValue = 128;  // the value, its key, and its node in the map
 
-[[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
-
 }  // namespace
 
 // The parser accepts any depth, but a value per level costs far more memory than its byte.  (The
@@ -68,8 +66,8 @@ Json readParsed(const std::filesystem::path& file, const char* kind, std::uintma
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(file, none);
   if (!none && size > largestBytes) {
-    sherd::inputError(file, "has " + std::to_string(size) + " bytes, at most " +
-                                std::to_string(largestBytes) + " are read");
+    inputError(file, "has " + std::to_string(size) + " bytes, at most " +
+                         std::to_string(largestBytes) + " are read");
   }
   MemoryBudget memory(file.string(), freeMemory());
   if (!none) memory.charge(size, 2);  // the text, and strings copied from it
@@ -78,7 +76,7 @@ Json readParsed(const std::filesystem::path& file, const char* kind, std::uintma
   try {
     return parsed<Json>(bytes);
   } catch (const Error& e) {
-    sherd::inputError(file, std::string(e.what()) + ", so it is no " + kind, e.options());
+    inputError(file, std::string(e.what()) + ", so it is no " + kind, e.options());
   }
 }
 

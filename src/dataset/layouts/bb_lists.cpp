@@ -14,14 +14,13 @@
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
 #include "dataset/journal/object_folder.h"
+#include "dataset/layouts/split_of.h"
 
 namespace sherd {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr std::array kSplits{"train", "val", "test"};
 
 // The lists that a loader or converter opens whatever the library's folders are called.
 constexpr std::array kKnownSubsets{"everyday", "artifact"};

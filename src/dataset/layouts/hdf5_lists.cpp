@@ -11,13 +11,9 @@
 #include "base/random.h"
 #include "dataset/journal/json_fields.h"
 #include "dataset/layouts/hdf5_part.h"
+#include "dataset/layouts/split_of.h"
 
 namespace sherd {
-namespace {
-
-constexpr const char* kSplits[] = {"train", "val", "test"};
-
-}  // namespace
 
 std::string hdf5Name(const Json& line) {
   const std::vector<FileRecord> files = filesOf(line);

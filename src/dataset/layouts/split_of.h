@@ -8,6 +8,8 @@
 
 namespace sherd {
 
+inline constexpr std::array kSplits{"train", "val", "test"};
+
 /// Returns the subset of an object: "train", "val" or "test".  It depends on the key and the shares
 /// only, so adding objects moves none.
 [[nodiscard]] std::string splitOf(const std::string& key, const std::array<int, 3>& shares);

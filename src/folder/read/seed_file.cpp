@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/files/parsed_json.h"
+#include "base/input_error.h"
 
 namespace sherd {
 namespace {
@@ -17,8 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSchema = "sherd-seeds/1";
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20;  // some 700,000 seeds
-
-[[noreturn]] void inputError(const std::string& what) { throw Error(ErrorCode::input, what); }
 
 // Reads three numbers, or returns nothing.
 std::optional<glm::dvec3> vectorIn(const Json& list) {

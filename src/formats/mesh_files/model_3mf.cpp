@@ -14,7 +14,6 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kAtATime = 4096;                  // tags between two checks
 constexpr std::uint64_t kTreeNode = 6 * sizeof(void*);  // of a std::map, besides its value
 constexpr std::array<std::string_view, 5> kGroups{"colorgroup", "basematerials", "texture2dgroup",
                                                   "compositematerials", "multiproperties"};
@@ -27,7 +26,7 @@ class Parser {
   Model3mf read() {
     try {
       for (std::size_t count = 0; tags_.next(tag_); ++count) {
-        if (count % kAtATime == 0) checkpoint(file_);
+        if (count % kTagsAtATime == 0) checkpoint(file_);
         if (tag_.isEnd) {
           close();
         } else {

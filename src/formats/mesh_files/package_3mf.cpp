@@ -12,7 +12,6 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kAtATime = 4096;  // tags between two checks
 constexpr std::uint64_t kTableEntry =
     2 * (sizeof(std::string) + sizeof(std::size_t) + 2 * sizeof(void*));
 
@@ -33,7 +32,7 @@ std::string Package3mf::rootName() const {
     XmlTag tag;
     try {
       for (std::size_t count = 0; tags.next(tag); ++count) {
-        if (count % kAtATime == 0) checkpoint(file_);
+        if (count % kTagsAtATime == 0) checkpoint(file_);
         if (tag.name != "Relationship" || !tag["Type"].ends_with("/3dmodel")) continue;
         std::string target = decodedPartName3mf(tag["Target"]);
         if (find(target) != nullptr) return target;

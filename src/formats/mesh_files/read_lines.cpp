@@ -19,8 +19,8 @@ namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
 
-constexpr std::size_t kAtATime = 4096;  // vertices or edges between two checks
-constexpr double kLargest = 1e37;       // coordinate: its square does not overflow
+constexpr std::size_t kLinesAtATime = 4096;  // vertices or edges between two checks
+constexpr double kLargest = 1e37;            // coordinate: its square does not overflow
 
 // Vertices and edges as they are read, charged as they grow.
 struct Lines {
@@ -34,14 +34,14 @@ struct Lines {
   // To be called for each vertex and edge.  Joining takes two numbers for a vertex, and for an edge
   // four and a point.
   void checkMemory() {
-    if (++read % kAtATime != 0) return;
+    if (++read % kLinesAtATime != 0) return;
     checkpoint(file);
     memory.hold(vertices.size() * (sizeof(glm::dvec3) + 2 * sizeof(std::size_t)) +
                 edges.size() * (2 * sizeof(Edge) + 2 * sizeof(std::size_t) + sizeof(glm::dvec3)));
   }
 
   FileLines joined() {
-    read = kAtATime - 1;
+    read = kLinesAtATime - 1;
     checkMemory();
     for (const Edge& edge : edges) {
       for (const std::uint32_t v : edge) {

@@ -16,9 +16,9 @@ namespace sherd {
 namespace {
 
 // Vertices, faces, and corners of a face, between two checks of memory and for cancellation.
-constexpr std::size_t kAtATime = 4096;
+constexpr std::size_t kFacesAtATime = 4096;
 
-struct Reader {
+struct OffReader {
   const MeshFile& file;
   LineReader lines{withoutByteOrderMark(file.bytes)};
   std::string_view line{};                                           // rest of the line
@@ -117,7 +117,7 @@ struct Reader {
                   std::to_string(vertices));
       }
       if (*corners >= 3) mesh.corners.push_back(*index);
-      if (*corners >= 3 && mesh.corners.size() % kAtATime == 0) hold();
+      if (*corners >= 3 && mesh.corners.size() % kFacesAtATime == 0) hold();
     }
     if (*corners < 3) return mesh.leaveOutFace();
     mesh.endFace();
@@ -138,12 +138,12 @@ struct Reader {
     charge(file, room, sizeof(glm::dvec3));
     mesh.vertices.reserve(room);
     for (std::size_t i = 0; i < *vertices; ++i) {
-      if (i % kAtATime == 0) hold();
+      if (i % kFacesAtATime == 0) hold();
       expectLine("vertex", i, *vertices);
       readVertex();
     }
     for (std::size_t i = 0; i < *faces; ++i) {
-      if (i % kAtATime == 0) hold();
+      if (i % kFacesAtATime == 0) hold();
       expectLine("face", i, *faces);
       readFace(*vertices);
     }

@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
+#include "base/text/text_scan.h"
+
 namespace sherd {
 namespace {
-
-constexpr std::string_view kSpace = " \t\r\n";
 
 std::string withoutComments(std::string_view xml) {
   std::string text;
@@ -19,12 +19,6 @@ std::string withoutComments(std::string_view xml) {
     if (close == xml.npos) return text;
     xml.remove_prefix(close + 3);
   }
-}
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kSpace);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
 // Returns what is within the first element with a name, which has neither attributes nor children.

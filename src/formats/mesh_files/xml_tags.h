@@ -26,6 +26,9 @@ struct XmlTag {
   [[nodiscard]] std::string_view ofAnyPrefix(std::string_view attribute) const;
 };
 
+/// Tags between two checks for cancellation.
+inline constexpr std::size_t kTagsAtATime = 4096;
+
 /// Returns text with the five named entities and numbered ones decoded; unknown ones stay.
 [[nodiscard]] std::string xmlDecoded(std::string_view text);
 

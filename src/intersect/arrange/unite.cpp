@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <map>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "base/infinity.h"
 #include "base/progress_part.h"
 #include "base/union_find.h"
 #include "intersect/arrange/arrangement.h"
@@ -142,7 +142,6 @@ std::optional<MeshComponents> componentsOf(const TriangleMesh& mesh) {
 
 // Marks the triangles of components whose boxes meet that of another component.
 std::vector<std::uint8_t> nearOthers(const TriangleMesh& mesh, const MeshComponents& components) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<Box> boxes(components.count, {glm::dvec3(kInfinity), glm::dvec3(-kInfinity)});
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3& c = mesh.triangles[t];

@@ -8,13 +8,12 @@
 #include <glm/geometric.hpp>
 #include <unordered_set>
 
+#include "base/infinity.h"
 #include "mesh/attributes/bent_attributes.h"
 #include "mesh/vertex_normals.h"
 
 namespace sherd {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Smaller charts have no seams, square voxels.
 constexpr double kLeastChart = 1.0;

@@ -8,16 +8,15 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <utility>
 
+#include "base/infinity.h"
 #include "mesh/search/nearest_on_triangle.h"
 #include "mesh/vertex_normals.h"
 
 namespace sherd {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSteps = 256.0;           // of a line, along the longest side
 constexpr std::size_t kMostSteps = 65536;  // of one line
 constexpr int kWindow = 5;                 // steps to each side over which normals are averaged

@@ -5,16 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <utility>
 
+#include "base/infinity.h"
 #include "mesh/search/nearest_on_triangle.h"
 #include "mesh/vertex_normals.h"
 
 namespace sherd {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TriangleMesh withArea(TriangleMesh mesh) {
   std::erase_if(mesh.triangles,

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/infinity.h"
 #include "mesh/search/boxes.h"
 #include "mesh/search/solid_angles.h"
 #include "mesh/vertex_normals.h"
@@ -18,7 +19,6 @@
 namespace sherd {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeafTriangles = 4;  // at most
 
 // Ranges of fewer triangles are processed by one thread.

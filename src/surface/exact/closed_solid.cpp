@@ -20,9 +20,6 @@ namespace {
 
 using openvdb::Coord;
 
-// Steps over faces that lead to all voxels within kHalfWidthVoxels.
-constexpr int kBandSteps = 5;
-
 // The voxels inside a closed mesh that the solid does not have, and the leaves around these.
 struct Added {
   std::vector<Coord> voxels;

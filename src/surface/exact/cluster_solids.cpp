@@ -14,11 +14,8 @@ namespace {
 
 constexpr auto kNoCluster = std::numeric_limits<std::uint32_t>::max();
 
-// Steps over faces that lead to all voxels within kHalfWidthVoxels.
-constexpr int kBandSteps = 5;
-
 // Some triangles of a mesh, with their vertices alone.
-SolidMesh meshOf(const SolidMesh& mesh, const std::vector<std::uint32_t>& triangles) {
+SolidMesh clusterMesh(const SolidMesh& mesh, const std::vector<std::uint32_t>& triangles) {
   std::vector<std::uint32_t> used;
   for (const std::uint32_t t : triangles) {
     const glm::uvec3& c = mesh.mesh.triangles[t];

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/common.hpp>
-#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "base/cancel_flag.h"
+#include "base/infinity.h"
 #include "interface/contacts.h"
 #include "mesh/positions.h"
 #include "mesh/search/boxes.h"
@@ -33,7 +33,6 @@ struct KeptBodies {
 };
 
 KeptBodies bodiesIn(const Solid& solid) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const SolidMesh& mesh = *solid.mesh;
   const std::size_t count = std::size_t{*std::max_element(mesh.body.begin(), mesh.body.end())} + 1;
   KeptBodies bodies{std::vector<Box>(count, {glm::dvec3(kInfinity), glm::dvec3(-kInfinity)}),

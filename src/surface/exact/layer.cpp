@@ -10,13 +10,6 @@
 #include "voxelize/leaves/leaf_masks.h"
 
 namespace sherd {
-namespace {
-
-// Steps over faces that lead to all voxels within kHalfWidthVoxels.
-constexpr int kBandSteps = 5;
-
-}  // namespace
-
 Solid solidOfLayer(const Solid& solid, std::size_t layer) {
   const LeafBlocks& all = *solid.blocks;
   LeafBlocks own{.origins = all.origins, .neighbors = all.neighbors};

@@ -18,16 +18,15 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
 #include <optional>
 
+#include "base/infinity.h"
 #include "mesh/surface_by_area.h"
 
 namespace sherd {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kSamples = 2000;
 constexpr double kThinnestShare = 0.01;
 constexpr std::size_t kEveryForVolume = 4;  // one of so many samples is measured on all sides

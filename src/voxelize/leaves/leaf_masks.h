@@ -44,6 +44,9 @@ using VoxelMask = std::vector<std::uint64_t>;
          (x < 7 ? leaf[x + 1] : 0);
 }
 
+/// Steps over faces that lead to all voxels within kHalfWidthVoxels.
+inline constexpr int kBandSteps = 5;
+
 /// Returns the voxels that at most `steps` steps over faces lead to.
 ///   within  the voxels that steps may lead to
 [[nodiscard]] VoxelMask grownBySteps(const LeafBlocks& blocks, VoxelMask mask,

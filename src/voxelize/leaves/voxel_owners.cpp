@@ -7,10 +7,10 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <map>
 
 #include "base/cancel_flag.h"
+#include "base/infinity.h"
 #include "mesh/search/boxes.h"
 #include "voxelize/leaves/leaf_blocks.h"
 
@@ -52,7 +52,6 @@ glm::dvec3 pseudonormalPart(const std::array<glm::dvec3, 3>& t, const glm::dvec3
 
 // Returns [components] their boxes.
 std::vector<Box> boxesOf(const TriangleTree& tree, const MeshComponents& components) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<Box> boxes(components.count, {glm::dvec3(kInfinity), glm::dvec3(-kInfinity)});
   for (std::size_t i = 0; i < components.ofTriangle.size(); ++i) {
     const Box own = boxOf(tree.corners(i));
