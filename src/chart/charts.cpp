@@ -10,7 +10,7 @@
 namespace sherd::chart {
 namespace {
 
-constexpr double kWidth = 380.0, kLeft = 64.0, kRight = 366.0, kTop = 44.0;
+constexpr double kWidth = 380.0, kLeft = 64.0, kRight = 366.0, kChartTop = 44.0;
 constexpr std::size_t kBins = 48;
 
 double xOf(double value, double high) { return kLeft + (kRight - kLeft) * value / high; }
@@ -24,7 +24,7 @@ void drawScale(Svg& svg, double high, double bottom,
                const std::function<std::string(double)>& label) {
   const double each = niceStep(high);
   for (double value = 0.0; value <= high * (1.0 + 1e-9); value += each) {
-    svg.line(xOf(value, high), kTop - 8, xOf(value, high), bottom, kRule);
+    svg.line(xOf(value, high), kChartTop - 8, xOf(value, high), bottom, kRule);
     svg.text(xOf(value, high), bottom + 14, label(value), 10, kGray, Svg::Anchor::middle);
   }
 }
@@ -33,7 +33,7 @@ void drawScale(Svg& svg, double high, double bottom,
 
 std::string histograms(const std::vector<HistogramRow>& rows, const HistogramOptions& options) {
   constexpr double kRow = 30.0;
-  const double bottom = kTop + kRow * static_cast<double>(rows.size());
+  const double bottom = kChartTop + kRow * static_cast<double>(rows.size());
   Svg svg(kWidth, bottom + 24);
   drawTitle(svg, options.title);
   drawScale(svg, options.high, bottom, options.label);
@@ -45,7 +45,7 @@ std::string histograms(const std::vector<HistogramRow>& rows, const HistogramOpt
     }
     const std::size_t maxCount =
         std::max<std::size_t>(*std::max_element(bins.begin(), bins.end()), 1);
-    const double base = kTop + kRow * static_cast<double>(r + 1);
+    const double base = kChartTop + kRow * static_cast<double>(r + 1);
     const double width = (kRight - kLeft) / kBins;
     for (std::size_t i = 0; i < kBins; ++i) {
       if (bins[i] == 0) continue;
@@ -60,9 +60,9 @@ std::string histograms(const std::vector<HistogramRow>& rows, const HistogramOpt
   for (const double value : options.lines) {
     if (value >= options.high) continue;
     const double x = xOf(value, options.high);
-    svg.line(x, kTop - 8, x, bottom, kOrange, /*dashed=*/true);
+    svg.line(x, kChartTop - 8, x, bottom, kOrange, /*dashed=*/true);
     const double words = std::max(x - 10.0, from);
-    svg.text(words, kTop - 12, options.label(value), 9, kOrange);
+    svg.text(words, kChartTop - 12, options.label(value), 9, kOrange);
     from = words + 40.0;
   }
   return svg.done();
@@ -75,10 +75,10 @@ std::string bars(const std::vector<std::pair<std::string, double>>& values,
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   const double maxValue = sorted.empty() ? 1.0 : std::max(sorted.front().second, 1e-12);
-  Svg svg(kWidth, kTop + kRow * static_cast<double>(sorted.size()) + 8);
+  Svg svg(kWidth, kChartTop + kRow * static_cast<double>(sorted.size()) + 8);
   drawTitle(svg, title);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const double top = kTop + kRow * static_cast<double>(i);
+    const double top = kChartTop + kRow * static_cast<double>(i);
     const double width = 0.7 * (kRight - kLeft) * sorted[i].second / maxValue;
     svg.text(kLeft - 6, top + 11, sorted[i].first, 10, kInk, Svg::Anchor::end);
     svg.rect(kLeft, top, width, kRow - 6, kBlue);
@@ -89,15 +89,17 @@ std::string bars(const std::vector<std::pair<std::string, double>>& values,
 
 std::string timeLine(const std::vector<double>& seconds, const std::vector<double>& values,
                      const std::string& title, const std::function<std::string(double)>& label) {
-  constexpr double kBottom = kTop + 120.0;
-  Svg svg(kWidth, kBottom + 24);
+  constexpr double kChartBottom = kChartTop + 120.0;
+  Svg svg(kWidth, kChartBottom + 24);
   drawTitle(svg, title);
   const std::size_t count = std::min(seconds.size(), values.size());
   if (count == 0) return svg.done();
   const double end = std::max(seconds[count - 1], 1e-9);
   const double high = std::max(*std::max_element(values.begin(), values.end()) * 1.05, 1e-9);
-  const auto yOf = [&](double value) { return kBottom - (kBottom - kTop) * value / high; };
-  drawScale(svg, end, kBottom, [](double value) { return formatted("%g s", value); });
+  const auto yOf = [&](double value) {
+    return kChartBottom - (kChartBottom - kChartTop) * value / high;
+  };
+  drawScale(svg, end, kChartBottom, [](double value) { return formatted("%g s", value); });
   for (double value = 0.0; value <= high; value += niceStep(high)) {
     svg.line(kLeft, yOf(value), kRight, yOf(value), kRule);
     svg.text(kLeft - 6, yOf(value) + 4, label(value), 10, kGray, Svg::Anchor::end);

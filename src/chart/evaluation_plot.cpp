@@ -17,7 +17,7 @@ using chart::kBlue, chart::kGreen, chart::kGray, chart::kInk, chart::kOrange, ch
 using chart::Panel, chart::Column, chart::column, chart::drawFrame, chart::kBottom, chart::kTop;
 using chart::Svg;
 
-constexpr double kWidth = 960, kHeight = 360;
+constexpr double kEvaluationWidth = 960, kHeight = 360;
 constexpr std::size_t kMostLabels = 30;  // ids are omitted above this number of fragments
 
 void drawNumbers(Svg& svg, const Panel& panel, const Evaluation& evaluation,
@@ -114,7 +114,7 @@ std::string evaluationPlot(const Evaluation& evaluation, const std::string& titl
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return evaluation.fragments[a].share > evaluation.fragments[b].share;
   });
-  Svg svg(kWidth, kHeight);
+  Svg svg(kEvaluationWidth, kHeight);
   svg.text(24, 34, title, 18, kInk, Svg::Anchor::start, true);
   svg.text(24, 56, subtitle(evaluation, voxelSize), 12, kGray);
   drawShares(svg, evaluation, order);

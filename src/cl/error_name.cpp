@@ -70,7 +70,7 @@ constexpr std::array<const char*, 39> kInvalid{"CL_INVALID_VALUE",
                                                "CL_INVALID_DEVICE_PARTITION_COUNT"};
 constexpr int kNoPlatform = -1001;
 
-const char* nameOf(int number) {
+const char* errorOf(int number) {
   if (number == kNoPlatform) return "CL_PLATFORM_NOT_FOUND_KHR";
   if (number > 0) return nullptr;
   const auto index = static_cast<std::size_t>(-number);
@@ -82,7 +82,7 @@ const char* nameOf(int number) {
 }  // namespace
 
 std::string errorName(int number) {
-  const char* const name = nameOf(number);
+  const char* const name = errorOf(number);
   return std::to_string(number) + (name != nullptr ? std::string(" (") + name + ")" : "");
 }
 

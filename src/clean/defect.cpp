@@ -8,7 +8,7 @@
 namespace sherd {
 namespace {
 
-std::vector<Defect> sorted(std::vector<Defect> defects) {
+std::vector<Defect> sortedDefects(std::vector<Defect> defects) {
   std::sort(defects.begin(), defects.end());
   defects.erase(std::unique(defects.begin(), defects.end()), defects.end());
   return defects;
@@ -52,7 +52,7 @@ std::vector<Defect> shortEdges(const Stars& stars, const std::vector<std::uint32
       if (edge.size < below && !(isFixed[edge.a] && isFixed[edge.b])) found.push_back(edge);
     }
   }
-  return sorted(std::move(found));
+  return sortedDefects(std::move(found));
 }
 
 std::vector<Defect> thinFaces(const Stars& stars, const std::vector<std::uint32_t>& faces,
@@ -63,7 +63,7 @@ std::vector<Defect> thinFaces(const Stars& stars, const std::vector<std::uint32_
     const Defect defect = thinnest(stars.face(f).corner, positions);
     if (defect.size < below) found.push_back(defect);
   }
-  return sorted(std::move(found));
+  return sortedDefects(std::move(found));
 }
 
 }  // namespace sherd

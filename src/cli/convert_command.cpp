@@ -72,7 +72,8 @@ Converted convertPoints(const ConvertArguments& arguments, HeldFiles& files, Poi
 }
 
 // Returns a sentence for each option that does nothing.
-std::vector<std::string> idleOptions(const ConvertArguments& arguments, const std::string& kind) {
+std::vector<std::string> idleConversionOptions(const ConvertArguments& arguments,
+                                               const std::string& kind) {
   std::vector<std::string> sentences;
   if (kind != "voxels") {
     const std::string with = kind == "mesh" ? " with a mesh" : " with " + kind;
@@ -138,7 +139,7 @@ void runConvert(const ConvertArguments& arguments) {
   for (const std::string& loss : done.losses) {
     printMessage("sherd: warning: " + arguments.out + ": " + loss);
   }
-  for (const std::string& sentence : idleOptions(arguments, done.fields.at("kind"))) {
+  for (const std::string& sentence : idleConversionOptions(arguments, done.fields.at("kind"))) {
     printMessage("sherd: warning: " + sentence);
   }
   Json report = {{"schema", "sherd-report/1"},

@@ -28,7 +28,7 @@ std::string asJson(const std::vector<DeviceInfo>& devices) {
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-std::string asText(const std::vector<DeviceInfo>& devices) {
+std::string deviceList(const std::vector<DeviceInfo>& devices) {
   if (devices.empty()) {
     return "no device can be used: " + noDeviceReason() + " (sherd doctor reports more)\n";
   }
@@ -52,7 +52,7 @@ void addDevicesCommand(CLI::App& app, Action& run) {
     run = [json] {
       provideKernelCache();
       const std::vector<DeviceInfo> devices = listDevices();
-      printResult(*json ? asJson(devices) : asText(devices));
+      printResult(*json ? asJson(devices) : deviceList(devices));
     };
   });
 }

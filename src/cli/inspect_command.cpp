@@ -26,10 +26,10 @@ using Json = nlohmann::ordered_json;
 
 // Each inspector returns one flat JSON object; the plain text is made from it.
 
-Json jsonOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-Json jsonOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+Json inspected(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+Json inspected(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
-Json jsonOf(const VdbMetadata& metadata) {
+Json inspected(const VdbMetadata& metadata) {
   Json json = Json::object();
   for (const auto& [key, value] : metadata) json[key] = value;
   return json;
@@ -43,12 +43,12 @@ Json inspectVoxels(const fs::path& file, VoxelFormat format) {
   for (const auto& [label, count] : counts) labels[std::to_string(label)] = count;
   Json found = {{"kind", "voxels"},
                 {"format", names::of(names::kVoxelFormat, format)},
-                {"dims", jsonOf(read.voxels.dims)},
+                {"dims", inspected(read.voxels.dims)},
                 {"runs", read.voxels.runs.size()}};
   if (read.transform) {
-    found["origin"] = jsonOf(read.transform->frame.origin);
+    found["origin"] = inspected(read.transform->frame.origin);
     found["voxel_size"] = read.transform->frame.voxelSize;
-    found["index_min"] = jsonOf(read.transform->indexMin);
+    found["index_min"] = inspected(read.transform->indexMin);
   }
   found["voxels_per_label"] = labels;
   return found;
@@ -61,14 +61,14 @@ Json inspectVdb(const fs::path& file) {
     grids.push_back({{"name", grid.name},
                      {"type", grid.type},
                      {"class", grid.gridClass},
-                     {"voxel_size", jsonOf(grid.voxelSize)},
+                     {"voxel_size", inspected(grid.voxelSize)},
                      {"background", grid.background},
                      {"active_voxels", grid.activeVoxels},
-                     {"index_min", jsonOf(grid.activeBox.min)},
-                     {"index_max", jsonOf(grid.activeBox.max)},
-                     {"metadata", jsonOf(grid.metadata)}});
+                     {"index_min", inspected(grid.activeBox.min)},
+                     {"index_max", inspected(grid.activeBox.max)},
+                     {"metadata", inspected(grid.metadata)}});
   }
-  return {{"kind", "vdb"}, {"metadata", jsonOf(vdb.metadata)}, {"grids", grids}};
+  return {{"kind", "vdb"}, {"metadata", inspected(vdb.metadata)}, {"grids", grids}};
 }
 
 Json inspectMesh(const fs::path& file) {
@@ -87,8 +87,8 @@ Json inspectMesh(const fs::path& file) {
                 {"components", quality.components},
                 {"area", area(source.mesh)},
                 {"volume", volume(source.mesh)},
-                {"box_min", jsonOf(box.min)},
-                {"box_max", jsonOf(box.max)}};
+                {"box_min", inspected(box.min)},
+                {"box_max", inspected(box.max)}};
   found.update(Json::parse(coordinatesJson(coordinatesOfFile(file, source.coordinates))));
   return found;
 }
@@ -102,8 +102,8 @@ Json inspectPoints(const fs::path& file, PointFormat format) {
                 {"neighbor", !points.neighbor.empty()}};
   if (points.positions.empty()) return found;
   const Box box = bounds({points.positions, {}});
-  found["box_min"] = jsonOf(box.min);
-  found["box_max"] = jsonOf(box.max);
+  found["box_min"] = inspected(box.min);
+  found["box_max"] = inspected(box.max);
   return found;
 }
 
@@ -132,12 +132,12 @@ Json inspectManifest(const fs::path& file) {
                 {"resolution", manifest.resolution},
                 {"resolution_is", manifest.automatic ? "auto" : "given"},
                 {"voxel_size", manifest.voxelSize},
-                {"dims", jsonOf(manifest.dims)},
+                {"dims", inspected(manifest.dims)},
                 {"solid_voxels", manifest.solidVoxels},
                 {"components", manifest.components},
                 {"files", manifest.files.size()},
                 {"fragments", fragments}};
-  if (manifest.offset) found["offset"] = jsonOf(*manifest.offset);
+  if (manifest.offset) found["offset"] = inspected(*manifest.offset);
   if (manifest.bodies > 0) found["bodies"] = manifest.bodies;
   return found;
 }

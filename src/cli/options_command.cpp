@@ -67,7 +67,7 @@ Json datasetJson() {
   return rows;
 }
 
-std::string textOf(const Json& rows) {
+std::string rowsText(const Json& rows) {
   std::string text, group;
   for (const Json& row : rows) {
     if (row.contains("hidden")) continue;
@@ -106,8 +106,8 @@ void addOptionsCommand(CLI::App& app, Action& run) {
                         {"fracture", fractureJson()},
                         {"dataset", datasetJson()}};
       printResult(*json ? all.dump(1) + "\n"
-                        : "Of a fracture:\n" + textOf(all["fracture"]) + "\nOf a dataset:\n" +
-                              textOf(all["dataset"]));
+                        : "Of a fracture:\n" + rowsText(all["fracture"]) + "\nOf a dataset:\n" +
+                              rowsText(all["dataset"]));
     };
   });
 }

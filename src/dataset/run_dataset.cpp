@@ -47,7 +47,7 @@ bool holdsOthers(const fs::path& folder) {
   return false;
 }
 
-void makeFolder(const fs::path& out) {
+void makeOutputFolder(const fs::path& out) {
   std::error_code failed;
   fs::create_directories(out, failed);
   if (!failed) return;
@@ -246,7 +246,7 @@ DatasetSummary runIn(const fs::path& out, const fs::path& library, const Dataset
   }
   if (plan.layout == DatasetLayout::pfpp) requirePfppIds(plan.objects);
   requireNoLinks(out, plan);
-  makeFolder(out);
+  makeOutputFolder(out);
   OutputLock lock(out);
   const OwnSums before = readOwnSums(out);
   prepareFolder(out, plan, given);

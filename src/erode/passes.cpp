@@ -20,7 +20,7 @@ bool isWithin(double low, double x, double high) { return x >= low && x <= high;
 
 bool isWhole(double x) { return x == std::floor(x); }
 
-[[noreturn]] void refuse(const char* option, const std::string& what) {
+[[noreturn]] void refuseOption(const char* option, const std::string& what) {
   throw Error(ErrorCode::usage, "erode: " + what, OptionNames{option});
 }
 
@@ -36,14 +36,14 @@ ErosionPasses passesOf(const ErodeOptions& options, double longestSide) {
   const Length &size = options.size, &iterations = options.iterations;
   const double across = oddSize(size, longestSide);
   if (!isWithin(kLeastSize, across, kMostSize) || std::fmod(across, 2.0) != 1.0) {
-    refuse("erode-size", "the size is " + formatted("%.4g", size.over(longestSide)) +
-                             " voxels; expected an odd size from 3 to 13");
+    refuseOption("erode-size", "the size is " + formatted("%.4g", size.over(longestSide)) +
+                                   " voxels; expected an odd size from 3 to 13");
   }
   double count = iterations.over(longestSide);
   if (iterations.percent > 0.0) count = std::round(count);
   if (!isWithin(0.0, count, kMostPasses) || !isWhole(count)) {
-    refuse("erode-iterations", "the number of iterations is " + formatted("%.4g", count) +
-                                   "; expected a whole number from 0 to 1000");
+    refuseOption("erode-iterations", "the number of iterations is " + formatted("%.4g", count) +
+                                         "; expected a whole number from 0 to 1000");
   }
   return {static_cast<int>(count), static_cast<int>(across)};
 }

@@ -21,7 +21,7 @@ namespace sherd {
 namespace {
 
 constexpr double kPush = 1e-4;               // of the diagonal of the points' box
-constexpr std::size_t kCancelInterval = 64;  // points between checks for cancellation
+constexpr std::size_t kPointsPerCheck = 64;  // points between checks for cancellation
 
 struct SurfacePoint {
   glm::dvec3 position{0.0};
@@ -139,7 +139,7 @@ Convexity convexity(const TriangleMesh& mesh, std::size_t samples, std::uint64_t
   const InsideTest inside(sampled.mesh);
   std::vector<double> distances(rays.size(), -1.0);  // below 0: not measured
   tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
-    if (i % kCancelInterval == 0) throwIfCancelled(progress);
+    if (i % kPointsPerCheck == 0) throwIfCancelled(progress);
     if (!inside.contains(rays[i].origin)) return;
     distances[i] = exitDistance(hull, rays[i].origin, rays[i].direction);
   });

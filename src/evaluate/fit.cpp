@@ -203,8 +203,8 @@ void addWhole(Fit& result, const Inputs& in, const TriangleMesh& whole) {
           .share();
 }
 
-void sumUp(Fit& result, std::span<const FragmentMesh> fragments,
-           const std::vector<Measurement>& measurements) {
+void sumUpFit(Fit& result, std::span<const FragmentMesh> fragments,
+              const std::vector<Measurement>& measurements) {
   std::vector<WeightedDistance> errors, gaps;
   double overlap = 0.0, volumes = 0.0;
   for (std::size_t i = 0; i < fragments.size(); ++i) {
@@ -225,7 +225,7 @@ void sumUp(Fit& result, std::span<const FragmentMesh> fragments,
   result.gap = summaryOf(std::move(gaps));
 }
 
-void check(std::span<const FragmentMesh> fragments, const FitOptions& options) {
+void checkFit(std::span<const FragmentMesh> fragments, const FitOptions& options) {
   if (options.samples == 0 || options.samples > kMaxPoints) {
     throw Error(ErrorCode::usage, "fit: " + std::to_string(options.samples) +
                                       " samples, expected 1 to " + std::to_string(kMaxPoints));
@@ -252,7 +252,7 @@ std::set<int> idsOf(std::span<const FragmentMesh> fragments) {
 
 Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
         const FitOptions& options, const Progress* progress) {
-  check(fragments, options);
+  checkFit(fragments, options);
   Fit result;
   if (fragments.empty()) return result;
   const Assembly assembly(fragments);
@@ -271,7 +271,7 @@ Fit fit(std::span<const FragmentMesh> fragments, const TriangleMesh* whole,
   std::vector<Measurement> measurements(fragments.size());
   tbb::parallel_for(std::size_t{0}, fragments.size(),
                     [&](std::size_t i) { measurements[i] = measureFragment(inputs, i); });
-  sumUp(result, fragments, measurements);
+  sumUpFit(result, fragments, measurements);
   if (whole) addWhole(result, inputs, *whole);
   return result;
 }

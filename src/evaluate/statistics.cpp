@@ -334,7 +334,7 @@ void addJointNotes(FractureStatistics& result) {
   }
 }
 
-void addNotes(FractureStatistics& result, const FragmentSet& set, const Meshes& meshes) {
+void addStatisticsNotes(FractureStatistics& result, const FragmentSet& set, const Meshes& meshes) {
   std::vector<std::string>& notes = result.notes;
   if (meshes.fragment.empty()) {
     notes.emplace_back("there are no meshes: faces, vertices and cracks are not measured");
@@ -402,7 +402,7 @@ FractureStatistics statistics(const FragmentSet& set, const StatisticsOptions& o
   addJoints(result, meshes, options.tolerance, progress);
   const bool hasVoxels = set.voxelSize > 0.0 || options.unit > 0.0;
   result.grid = gridTraceOf(meshes.divided, hasVoxels ? result.unit : 0.0, progress);
-  addNotes(result, set, meshes);
+  addStatisticsNotes(result, set, meshes);
   addJointNotes(result);
   return result;
 }

@@ -1,6 +1,9 @@
 // Splitting of non-manifold vertices, where two sheets of one label's surface touch.
 #pragma once
 
+#include <sherd/labels.h>
+
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>

@@ -20,7 +20,7 @@ bool isRoundedRight(const Bounded& p) {
   return p.high + (p.low + error) == p.high && p.high + (p.low - error) == p.high;
 }
 
-int exactOrientation(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, int axis) {
+int exactOrientationAlong(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, int axis) {
   const auto u = static_cast<std::size_t>((axis + 1) % 3);
   const auto v = static_cast<std::size_t>((axis + 2) % 3);
   const HomogeneousPoint a = positionOf(p), b = positionOf(q), c = positionOf(r);
@@ -100,7 +100,7 @@ int orientation(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r, i
   if (value > bound) return 1;
   if (value < -bound) return -1;
   if (const std::optional<int> sign = preciseOrientation(p, q, r, axis)) return *sign;
-  return exactOrientation(p, q, r, axis);
+  return exactOrientationAlong(p, q, r, axis);
 }
 
 bool areCollinear(const std::array<glm::dvec3, 3>& points) {

@@ -25,7 +25,7 @@ bool isRoundedExact(const ExactPoint& p) {
   return p.isVertex || (p.rest == glm::dvec3(0.0) && p.error == glm::dvec3(0.0));
 }
 
-int exactOrientation(const std::array<glm::dvec3, 3>& t, const HomogeneousPoint& p) {
+int exactSide(const std::array<glm::dvec3, 3>& t, const HomogeneousPoint& p) {
   const auto apart = [&](std::size_t k, int axis) {
     return Dyadic::difference(t[k][axis], t[0][axis]);
   };
@@ -104,7 +104,7 @@ bool areEqual(const ExactPoint& p, const ExactPoint& q) {
 int orientation(const std::array<glm::dvec3, 3>& triangle, const ExactPoint& p) {
   if (isRoundedExact(p)) return orientation(triangle[0], triangle[1], triangle[2], p.rounded);
   if (const std::optional<int> sign = quickOrientation(triangle, p)) return *sign;
-  return exactOrientation(triangle, positionOf(p));
+  return exactSide(triangle, positionOf(p));
 }
 
 ExactPoint lineCrossing(const std::array<ExactPoint, 2>& p, const std::array<ExactPoint, 2>& q,

@@ -21,7 +21,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kBlock = 512;  // triangles that a task processes
+constexpr std::size_t kTaskTriangles = 512;  // triangles that a task processes
 
 // Triangles beside each other whose neighbors are looked up together.
 constexpr std::size_t kGroup = 8;
@@ -120,13 +120,13 @@ class PairTests {
         tree_({{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}}) {}
 
   [[nodiscard]] Pairs run(const Progress* progress) const {
-    const std::size_t blocks = (triangles_.size() + kBlock - 1) / kBlock;
+    const std::size_t blocks = (triangles_.size() + kTaskTriangles - 1) / kTaskTriangles;
     std::vector<Pairs> found(blocks);
     CancelFlag stop(progress);
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
       std::vector<std::uint32_t> near;
-      const std::size_t end = std::min(triangles_.size(), (block + 1) * kBlock);
-      for (std::size_t i = block * kBlock; i < end && !stop.isSet(); i += kGroup) {
+      const std::size_t end = std::min(triangles_.size(), (block + 1) * kTaskTriangles);
+      for (std::size_t i = block * kTaskTriangles; i < end && !stop.isSet(); i += kGroup) {
         testGroup(i, std::min(i + kGroup, end), near, found[block]);
       }
     });
@@ -189,7 +189,7 @@ std::vector<std::uint32_t> nearTested(std::span<const glm::dvec3> vertices,
   }
   const TriangleTree tree(few);
   std::vector<std::uint8_t> isNear(triangles.size(), 0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), kBlock),
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), kTaskTriangles),
                     [&](const auto& range) {
                       for (std::size_t t = range.begin(); t < range.end(); ++t) {
                         isNear[t] = tree.isAnyMeeting(boxOf(positionsOf(vertices, triangles[t])));

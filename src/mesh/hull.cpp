@@ -121,7 +121,7 @@ void hullOf(Quickhull& quickhull, std::vector<glm::dvec3>& points) {
 
 // Returns the corners of the intersection of half spaces that contain the origin: the duals of the
 // facets of the hull of the half spaces' duals.
-std::vector<glm::dvec3> cornersOf(const std::vector<HalfSpace>& sides) {
+std::vector<glm::dvec3> hullCorners(const std::vector<HalfSpace>& sides) {
   std::vector<glm::dvec3> duals;
   for (const HalfSpace& side : sides) duals.push_back(side.normal / -side.offset);
   std::vector<glm::dvec3> corners;
@@ -133,7 +133,7 @@ std::vector<glm::dvec3> cornersOf(const std::vector<HalfSpace>& sides) {
 
 // Returns the power of two next to the points' greatest distance from a point along an axis: some
 // of Qhull's bounds are absolute.
-double unitOf(const std::vector<glm::dvec3>& points, const glm::dvec3& from) {
+double hullUnit(const std::vector<glm::dvec3>& points, const glm::dvec3& from) {
   double farthest = 0.0;
   for (const glm::dvec3& p : points) {
     const glm::dvec3 apart = glm::abs(p - from);
@@ -154,7 +154,7 @@ TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset) {
   glm::dvec3 mean(0.0);
   for (const glm::dvec3& p : points) mean += p;
   mean /= static_cast<double>(std::max<std::size_t>(points.size(), 1));
-  const double unit = unitOf(points, mean);
+  const double unit = hullUnit(points, mean);
   for (glm::dvec3& p : points) p = (p - mean) / unit;
   inset /= unit;
   if (inset > 0.0) {
@@ -162,7 +162,7 @@ TriangleMesh convexHullMesh(std::vector<glm::dvec3> points, double inset) {
     double room = std::numeric_limits<double>::infinity();
     for (const HalfSpace& side : sides) room = std::min(room, -side.offset);
     for (HalfSpace& side : sides) side.offset += std::min(inset, 0.5 * room);
-    points = cornersOf(sides);
+    points = hullCorners(sides);
   }
   Quickhull quickhull;
   hullOf(quickhull, points);

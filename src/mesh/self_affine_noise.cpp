@@ -33,21 +33,23 @@ double withLarger(double hurst) {
   return sum;
 }
 
-double unitOf(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+double fractionOf(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
 // Returns the value of a lattice point, uniform on -1..1.
 double latticeValue(std::uint64_t seed, std::int64_t i, std::int64_t j, std::int64_t k) {
   std::uint64_t hash = mixed(seed ^ static_cast<std::uint64_t>(i));
   hash = mixed(hash + 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(j));
   hash = mixed(hash + 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(k));
-  return 2.0 * unitOf(hash) - 1.0;
+  return 2.0 * fractionOf(hash) - 1.0;
 }
 
 // Returns a random rotation: a random point of the four-dimensional ball, scaled to length 1.
 //   source  Marsaglia, Choosing a point from the surface of a sphere, 1972
 glm::dmat3 rotationOf(std::uint64_t seed) {
   for (std::uint64_t draw = 0;; draw += 4) {
-    const auto number = [&](std::uint64_t k) { return 2.0 * unitOf(mixed(seed + draw + k)) - 1.0; };
+    const auto number = [&](std::uint64_t k) {
+      return 2.0 * fractionOf(mixed(seed + draw + k)) - 1.0;
+    };
     const glm::dquat point(number(0), number(1), number(2), number(3));
     const double squared = glm::dot(point, point);
     if (squared <= 1.0 && squared > 1e-4) return glm::mat3_cast(point / std::sqrt(squared));
@@ -67,7 +69,8 @@ SelfAffineNoise::SelfAffineNoise(const SelfAffineShape& shape, std::uint64_t see
     const std::uint64_t own = mixed(seed + 0x9e3779b97f4a7c15u * static_cast<std::uint64_t>(k + 1));
     Octave octave;
     octave.lattice = rotationOf(own) / spacing;
-    octave.shift = {unitOf(mixed(~own)), unitOf(mixed(~own + 1)), unitOf(mixed(~own + 2))};
+    octave.shift = {fractionOf(mixed(~own)), fractionOf(mixed(~own + 1)),
+                    fractionOf(mixed(~own + 2))};
     octave.amplitude = roundedPower(spacing / shape.longest, shape.hurst);
     if (k == 0) octave.amplitude = std::sqrt(withLarger(shape.hurst));
     octave.seed = own;

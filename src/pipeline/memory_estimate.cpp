@@ -131,7 +131,7 @@ Amount shellOf(const Extent& mesh, double thickness) {
 }
 
 // Returns the amount of the solid made from a mesh.  An open mesh may become a two-sided shell.
-Amount solidOf(const Extent& mesh, const SolidOptions& options, double voxelSize) {
+Amount solidAmount(const Extent& mesh, const SolidOptions& options, double voxelSize) {
   const bool isShell = options.fill == Fill::shell ||
                        (options.fill == Fill::automatic && options.shellThickness > 0.0);
   if (isShell) return shellOf(mesh, shellVoxels(options, voxelSize) * voxelSize);
@@ -206,7 +206,7 @@ double bytesForWalls(const FractureOptions& options, double surface, double insi
 
 double bytesFor(const Extent& extent, std::size_t triangles, const FractureOptions& options,
                 MeshesHeld held, double voxelSize) {
-  const Amount solid = solidOf(extent, options.solid, voxelSize);
+  const Amount solid = solidAmount(extent, options.solid, voxelSize);
   const double surface = solid.area / (voxelSize * voxelSize);
   const double inside = solid.volume / (voxelSize * voxelSize * voxelSize);
   // A cube cut into n cubes has 3 (n^(1/3) - 1) cuts across it; each bounds two fragments.

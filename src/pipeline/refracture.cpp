@@ -59,9 +59,10 @@ TriangleMesh closedMeshOf(const FinishedFracture& finished, const Solid& fragmen
 // Returns the solid on which cracks through a fragment are decided, whatever its voxels.  Sides of
 // its grid are parts of the whole's, in steps that the rounding of a mesh seldom changes.
 //   mesh  of the fragment, closed, or empty
-std::optional<OtherSolid> otherOf(const FinishedFracture& finished, const Solid& fragment,
-                                  const TriangleMesh& mesh, const VoxelComponents& components,
-                                  Device& device, const Progress* progress) {
+std::optional<OtherSolid> otherOfFragment(const FinishedFracture& finished, const Solid& fragment,
+                                          const TriangleMesh& mesh,
+                                          const VoxelComponents& components, Device& device,
+                                          const Progress* progress) {
   if (mesh.triangles.empty() || !(volume(mesh) > 0.0)) return {};
   constexpr double kStepsPerOctave = 4.0;
   const double whole = finished.resolution * finished.solid.frame.voxelSize;
@@ -128,7 +129,7 @@ SeededLabels breakFragment(const FinishedFracture& finished, const Solid& fragme
   const bool splits = ruleOf(options.grow.growth).splits;
   const TriangleMesh mesh = closedMeshOf(finished, fragment, id);
   const std::optional<OtherSolid> found =
-      otherOf(finished, fragment, mesh, components, device, progress);
+      otherOfFragment(finished, fragment, mesh, components, device, progress);
   const OtherSolid* const other = found ? &*found : nullptr;
   FractureOptions own = options;
   if (own.grow.roughnessWindow.isZero()) {  // a tenth of the fragment, not of the whole mesh

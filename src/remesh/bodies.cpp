@@ -13,19 +13,19 @@
 namespace sherd {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kUnnumbered = 0xffffffffu;
 
 // Returns [components] the meshes of components, with TriangleMesh::source.
 std::vector<TriangleMesh> componentsOf(const TriangleMesh& mesh) {
   const MeshComponents components = meshComponents(mesh);
   std::vector<TriangleMesh> out(components.count);
-  std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kUnnumbered);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     TriangleMesh& own = out[components.ofTriangle[t]];
     glm::uvec3 corner;
     for (int k = 0; k < 3; ++k) {
       std::uint32_t& n = number[mesh.triangles[t][k]];  // a vertex is of one component
-      if (n == kNone) {
+      if (n == kUnnumbered) {
         n = static_cast<std::uint32_t>(own.vertices.size());
         own.vertices.push_back(mesh.vertices[mesh.triangles[t][k]]);
       }

@@ -15,7 +15,7 @@ namespace sherd {
 namespace {
 
 // Returns the resolution that resolves walls, a multiple of eight.
-int resolutionFor(const WallThickness& walls) {
+int resolutionForWalls(const WallThickness& walls) {
   return std::clamp((walls.forWalls + 7) / 8 * 8, CanonicalSolid::kResolution,
                     CanonicalSolid::kMostResolution);
 }
@@ -42,7 +42,7 @@ std::shared_ptr<const Solid> CanonicalSolid::made(const Progress* progress) cons
   options.keepMesh = options.keepSeams = false;
   try {
     Solid solid = voxelizeAlone(mesh_, options, 1.0, &part);
-    options.resolution = resolutionFor(solid.report.walls);
+    options.resolution = resolutionForWalls(solid.report.walls);
     if (options.resolution != kResolution) solid = voxelizeAlone(mesh_, options, 1.0, &part);
     return std::make_shared<const Solid>(std::move(solid));
   } catch (const Error& e) {
@@ -54,7 +54,7 @@ std::shared_ptr<const Solid> CanonicalSolid::made(const Progress* progress) cons
 std::shared_ptr<const Solid> CanonicalSolid::otherThan(const Solid& solid,
                                                        const Progress* progress) {
   if (solid.frame.voxelSize == longest_ / kResolution &&
-      resolutionFor(solid.report.walls) == kResolution) {
+      resolutionForWalls(solid.report.walls) == kResolution) {
     return nullptr;
   }
   const std::lock_guard lock(making_);

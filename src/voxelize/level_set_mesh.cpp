@@ -14,7 +14,7 @@ double squaredDistance(const glm::dvec3& a, const glm::dvec3& b) { return glm::d
 
 // The same tree with an identity transform, so that float positions lose no precision far from the
 // origin.  GridBase makes it: a constructor of FloatGrid would compile the whole class here.
-openvdb::FloatGrid::ConstPtr inIndexSpace(const openvdb::GridBase& grid) {
+openvdb::FloatGrid::ConstPtr indexSpaceGrid(const openvdb::GridBase& grid) {
   openvdb::MetaMap levelSet;
   levelSet.insertMeta(
       openvdb::GridBase::META_GRID_CLASS,
@@ -28,7 +28,7 @@ TriangleMesh meshAt(double isovalue, const openvdb::FloatGrid& grid) {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
   std::vector<openvdb::Vec4I> quads;
-  openvdb::tools::volumeToMesh(*inIndexSpace(grid), points, triangles, quads, isovalue,
+  openvdb::tools::volumeToMesh(*indexSpaceGrid(grid), points, triangles, quads, isovalue,
                                /*adaptivity=*/0.0);
 
   TriangleMesh out;

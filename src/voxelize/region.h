@@ -14,7 +14,7 @@ namespace sherd {
 
 class CanonicalSolid;
 
-/// The inside of a mesh.  Points are in the index space of the solid.  Thread-safe.
+/// The inside of a mesh.  Thread-safe.
 class SolidRegion {
  public:
   ///   sides          of the mesh's box, voxels; its low corner is that of voxel (0,0,0)

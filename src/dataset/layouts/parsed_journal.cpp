@@ -22,11 +22,11 @@ void requireSum(const std::string& sum) {
   if (!good) fields::damaged("'" + sum + "' is not a SHA-256");
 }
 
-using Names = std::set<std::string>;
+using NamedSet = std::set<std::string>;
 
 // The names of a line's files.
-Names namesOf(const Json& line) {
-  Names names;
+NamedSet namesOf(const Json& line) {
+  NamedSet names;
   for (const Json& file : fields::list(line, "files")) {
     const bool good = file.is_array() && file.size() == 3 && file[0].is_string() &&
                       file[1].is_number_unsigned() && file[2].is_string();
@@ -40,7 +40,7 @@ Names namesOf(const Json& line) {
   return names;
 }
 
-void requireListed(const Json& names, const Names& files) {
+void requireListed(const Json& names, const NamedSet& files) {
   for (const Json& name : names) {
     if (!name.is_string()) fields::damaged("a file's name is not text");
     if (!files.contains(name))
@@ -79,7 +79,7 @@ std::size_t checkObjects(const Json& line) {
   return objects.size();
 }
 
-void checkFragment(const Json& fragment, const Names& files, std::size_t objects) {
+void checkFragment(const Json& fragment, const NamedSet& files, std::size_t objects) {
   if (!fragment.is_object()) fields::damaged("a fragment is not an object");
   if (fragment.contains("object")) {
     if (objects == 0) fields::damaged("a fragment is of an object that is not there");
@@ -117,7 +117,7 @@ void checkFracture(const Json& line) {
     if (!value.is_string()) fields::damaged("option " + option + " is not text");
   }
   const std::size_t objects = line.contains("objects") ? checkObjects(line) : 0;
-  const Names files = namesOf(line);
+  const NamedSet files = namesOf(line);
   requireListed(fields::list(line, "labels"), files);
   for (const Json& fragment : fields::list(line, "fragments"))
     checkFragment(fragment, files, objects);

@@ -30,13 +30,15 @@
 namespace sherd {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 //   fracture  BreakHistory::sha256
-Json sourceJson(const SourceMesh& source, const std::string& fracture, const WriteOptions& write) {
+OrderedJson sourceJson(const SourceMesh& source, const std::string& fracture,
+                       const WriteOptions& write) {
   const bool isOfFiles = !fracture.empty();
-  Json json = {{"file", source.name},
-               {isOfFiles ? "fracture_sha256" : "sha256", isOfFiles ? fracture : source.sha256}};
+  OrderedJson json = {
+      {"file", source.name},
+      {isOfFiles ? "fracture_sha256" : "sha256", isOfFiles ? fracture : source.sha256}};
   json.update(jsonOfCoordinates(coordinatesOf(source.coordinates, write)));
   if (isOfFiles) return json;
   if (!source.grids.empty()) json["grids"] = source.grids;
@@ -79,8 +81,8 @@ RunOptions asUsed(const FractureOptions& options, const FractureResult& result,
   return used;
 }
 
-Json gridJson(const SourceMesh& source, const FractureOptions& options,
-              const FractureResult& result) {
+OrderedJson gridJson(const SourceMesh& source, const FractureOptions& options,
+                     const FractureResult& result) {
   const Solid& solid = result.solid;
   const openvdb::Coord& first = solid.box.min;
   const std::uint64_t labeled = std::transform_reduce(
@@ -96,8 +98,8 @@ Json gridJson(const SourceMesh& source, const FractureOptions& options,
           {"eroded_voxels", solid.voxels - labeled}};
 }
 
-Json contactsJson(const Fragment& fragment, bool areThin, std::map<int, double> boundaries) {
-  Json contacts = Json::array();
+OrderedJson contactsJson(const Fragment& fragment, bool areThin, std::map<int, double> boundaries) {
+  OrderedJson contacts = OrderedJson::array();
   for (const Contact& contact : fragment.contacts) {
     if (contact.isThin != areThin) continue;
     contacts.push_back({{"id", contact.fragment},
@@ -110,19 +112,19 @@ Json contactsJson(const Fragment& fragment, bool areThin, std::map<int, double> 
 }
 
 // Adds what was broken again, and the breaks before.
-void addHistory(Json& manifest, const FractureResult& result) {
+void addHistory(OrderedJson& manifest, const FractureResult& result) {
   manifest["only"] = result.broken;
   if (result.history.breaks.empty()) return;
-  manifest["history"] = Json::array();
+  manifest["history"] = OrderedJson::array();
   for (const std::string& text : result.history.breaks) {
-    manifest["history"].push_back(Json::parse(text));
+    manifest["history"].push_back(OrderedJson::parse(text));
   }
   if (result.history.omitted > 0) manifest["history_omitted"] = result.history.omitted;
 }
 
 // Returns [fragments] the seed positions of each, the primary seed first.
-std::vector<Json> seedPositions(const FractureResult& result) {
-  std::vector<Json> positions(result.fragments.size(), Json::array());
+std::vector<OrderedJson> seedPositions(const FractureResult& result) {
+  std::vector<OrderedJson> positions(result.fragments.size(), OrderedJson::array());
   for (const Seed& seed : result.seeds) {
     positions[seed.fragment - 1u].push_back(
         jsonOf(result.solid.frame.worldFromIndex(pointOf(seed))));
@@ -130,18 +132,18 @@ std::vector<Json> seedPositions(const FractureResult& result) {
   return positions;
 }
 
-Json bodiesJson(const SourceMesh& source, const InputBodies& bodies) {
-  Json json = {{"input", bodies.count}, {"united", bodies.united}};
+OrderedJson bodiesJson(const SourceMesh& source, const InputBodies& bodies) {
+  OrderedJson json = {{"input", bodies.count}, {"united", bodies.united}};
   const std::vector<std::vector<std::string>> objects = bodies.objects(source);
   if (!objects.empty()) json["objects"] = objects;
   return json;
 }
 
 // Why some fragments have smooth surfaces instead of exact ones.
-Json smoothJson(const SourceMesh& source, const std::vector<SmoothBodies>& smooth) {
-  Json all = Json::array();
+OrderedJson smoothJson(const SourceMesh& source, const std::vector<SmoothBodies>& smooth) {
+  OrderedJson all = OrderedJson::array();
   for (const SmoothBodies& bodies : smooth) {
-    Json json = {{"reason", bodies.reason}, {"fragments", bodies.fragments}};
+    OrderedJson json = {{"reason", bodies.reason}, {"fragments", bodies.fragments}};
     const std::vector<std::string> objects = objectsOf(source, bodies.triangles);
     if (!objects.empty()) json["objects"] = objects;
     all.push_back(std::move(json));
@@ -149,10 +151,11 @@ Json smoothJson(const SourceMesh& source, const std::vector<SmoothBodies>& smoot
   return all;
 }
 
-Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const FractureResult& result,
-                  bool hasBodies, Json seeds, Json files) {
+OrderedJson fragmentJson(const Fragment& fragment, const MeshFacts& facts,
+                         const FractureResult& result, bool hasBodies, OrderedJson seeds,
+                         OrderedJson files) {
   const glm::dmat3& m = fragment.mass.inertia;
-  Json json = {
+  OrderedJson json = {
       {"id", fragment.id},
       {"voxels", fragment.voxels},
       {"volume", plain(fragment.mass.volume)},
@@ -170,7 +173,7 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
       {"seeds", std::move(seeds)},
       {"files", std::move(files)},
       {"contacts", contactsJson(fragment, false, facts.boundaryLengths)}};
-  Json thin = contactsJson(fragment, true, facts.boundaryLengths);
+  OrderedJson thin = contactsJson(fragment, true, facts.boundaryLengths);
   if (!thin.empty()) json["thin_contacts"] = std::move(thin);
   if (facts.roundedCrossings) json["rounded_crossings"] = *facts.roundedCrossings;
   if (hasBodies) json["bodies"] = facts.bodies;
@@ -178,15 +181,15 @@ Json fragmentJson(const Fragment& fragment, const MeshFacts& facts, const Fractu
 }
 
 // The splits in order, each with the split that its piece comes from.
-Json splitsJson(const FractureResult& result, const SplitParents& parents) {
-  Json all = Json::array();
+OrderedJson splitsJson(const FractureResult& result, const SplitParents& parents) {
+  OrderedJson all = OrderedJson::array();
   const std::vector<Split>& splits = result.labels.splits;
   for (std::size_t i = 0; i < splits.size(); ++i) {
     const Split& split = splits[i];
-    Json json = {{"id", i + 1},
-                 {"parent", parents.ofSplit[i]},
-                 {"level", split.generation + 1},
-                 {"voxels", split.voxels}};
+    OrderedJson json = {{"id", i + 1},
+                        {"parent", parents.ofSplit[i]},
+                        {"level", split.generation + 1},
+                        {"voxels", split.voxels}};
     if (split.normal != glm::ivec3(0)) {
       const GridFrame& frame = result.solid.frame;
       const glm::dvec3 normal = glm::normalize(glm::dvec3(split.normal));
@@ -208,13 +211,13 @@ Json splitsJson(const FractureResult& result, const SplitParents& parents) {
 }
 
 // Returns a path, or a list if there are several.
-Json pathsJson(const std::vector<std::string>& paths) {
-  return paths.size() == 1 ? Json(paths[0]) : Json(paths);
+OrderedJson pathsJson(const std::vector<std::string>& paths) {
+  return paths.size() == 1 ? OrderedJson(paths[0]) : OrderedJson(paths);
 }
 
-Json decimatedJson(const Fragment& fragment, const std::vector<std::size_t>& asked,
-                   const std::vector<std::vector<std::string>>& files) {
-  Json meshes = Json::array();
+OrderedJson decimatedJson(const Fragment& fragment, const std::vector<std::size_t>& asked,
+                          const std::vector<std::vector<std::string>>& files) {
+  OrderedJson meshes = OrderedJson::array();
   for (std::size_t i = 0; i < files.size(); ++i) {
     meshes.push_back({{"asked", asked[i]},
                       {"triangles", fragment.coarse[i].triangles.size()},
@@ -224,8 +227,8 @@ Json decimatedJson(const Fragment& fragment, const std::vector<std::size_t>& ask
 }
 
 // The files of one fragment.
-Json filesJson(const FractureFiles& files, std::size_t i) {
-  Json own = Json::object();
+OrderedJson filesJson(const FractureFiles& files, std::size_t i) {
+  OrderedJson own = OrderedJson::object();
   if (!files.vdb.empty()) own["vdb"] = files.vdb[i];
   if (!files.mesh.empty()) own["mesh"] = pathsJson(files.mesh[i]);
   if (!files.points.empty()) own["points"] = pathsJson(files.points[i]);
@@ -235,8 +238,8 @@ Json filesJson(const FractureFiles& files, std::size_t i) {
 }
 
 // Adds the files that hold all fragments or the intact solid, and the list of all files.
-void addFiles(Json& manifest, const FractureFiles& files) {
-  Json solid = Json::object();
+void addFiles(OrderedJson& manifest, const FractureFiles& files) {
+  OrderedJson solid = OrderedJson::object();
   if (!files.solidVdb.empty()) solid["vdb"] = files.solidVdb;
   if (!files.solidMesh.empty()) solid["mesh"] = pathsJson(files.solidMesh);
   if (!solid.empty()) manifest["solid"] = std::move(solid);
@@ -300,12 +303,13 @@ int resolutionUsed(const SourceMesh& source, const FractureOptions& options, con
   return resolutionFor(source.mesh, solid.frame.voxelSize);
 }
 
-Json breakJson(const SourceMesh& source, const FractureOptions& options,
-               const FractureResult& result, const WriteOptions& write) {
+OrderedJson breakJson(const SourceMesh& source, const FractureOptions& options,
+                      const FractureResult& result, const WriteOptions& write) {
   const bool isRefracture = !result.parents.empty();
-  Json manifest = {{"schema", kManifestSchema},
-                   {"source", sourceJson(source, result.history.sha256, write)},
-                   {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
+  OrderedJson manifest = {
+      {"schema", kManifestSchema},
+      {"source", sourceJson(source, result.history.sha256, write)},
+      {"options", recordedOptions(asUsed(options, result, write), isRefracture)}};
   if (isRefracture) addHistory(manifest, result);
   return manifest;
 }
@@ -313,9 +317,9 @@ Json breakJson(const SourceMesh& source, const FractureOptions& options,
 std::string manifestText(const SourceMesh& source, const FractureOptions& options,
                          const FractureResult& result, std::span<const MeshFacts> facts,
                          const InputBodies& bodies, const FractureFiles& files,
-                         const WriteOptions& write, const Json* assemblage) {
+                         const WriteOptions& write, const OrderedJson* assemblage) {
   const bool isRefracture = !result.parents.empty();
-  Json manifest = breakJson(source, options, result, write);
+  OrderedJson manifest = breakJson(source, options, result, write);
   if (!source.mesh.triangles.empty() && !isRefracture)
     manifest["report"] = reportJson(source, result);
   const bool isRequested = !options.seeds.given && !isRefracture;
@@ -339,17 +343,17 @@ std::string manifestText(const SourceMesh& source, const FractureOptions& option
   manifest["effective_number"] = effectiveNumber(result);
   manifest["small_components"] = {{"count", result.solid.smallComponents},
                                   {"voxels", result.solid.smallComponentVoxels}};
-  manifest["fragments"] = Json::array();
-  manifest["withheld"] = Json::array();
+  manifest["fragments"] = OrderedJson::array();
+  manifest["withheld"] = OrderedJson::array();
   const bool isSplit = ruleOf(options.grow.growth).splits && !isRefracture && assemblage == nullptr;
   const SplitParents parents = parentsOf(result.labels.splits, result.fragments.size());
   if (isSplit) manifest["splits"] = splitsJson(result, parents);
-  std::vector<Json> seeds = seedPositions(result);
+  std::vector<OrderedJson> seeds = seedPositions(result);
   for (std::size_t i = 0; i < result.fragments.size(); ++i) {
     const bool isKept = i < result.kept();
-    Json fragment =
+    OrderedJson fragment =
         fragmentJson(result.fragments[i], facts[i], result, bodies.count > 0, std::move(seeds[i]),
-                     isKept ? filesJson(files, i) : Json::object());
+                     isKept ? filesJson(files, i) : OrderedJson::object());
     if (!result.objectOf.empty()) fragment["object"] = result.objectOf[i];
     if (!isKept) {
       if (isSplit) fragment["split"] = parents.ofFragment[i];

@@ -17,7 +17,7 @@
 namespace sherd {
 namespace {
 
-std::string text(double value) { return formatted("%.4g", value); }
+std::string brief(double value) { return formatted("%.4g", value); }
 
 std::string percent(double share) { return formatted("%.2g %%", 100.0 * share); }
 
@@ -61,7 +61,7 @@ std::string choiceText(const SolidReport& report) {
   if (report.fill == Fill::shell) return choice + "as for every shell";
   if (used == kLeastAutoResolution) return choice + "it preserves the mesh's walls";
   if (report.walls.forWalls >= report.walls.forVolume) {
-    choice += "walls would be down to " + text(report.walls.thinnest * coarser) + " voxels" + at;
+    choice += "walls would be down to " + brief(report.walls.thinnest * coarser) + " voxels" + at;
   } else {
     choice += "branches and edges would lose more than 2 % of the volume" + at;
   }
@@ -253,10 +253,10 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
 
   std::string done =
       std::string("filled by ") + names::of(names::kFill, report.fill) + ": " + report.fillReason;
-  if (report.fill == Fill::shell) done += "; a shell " + text(report.shellThickness) + " thick";
+  if (report.fill == Fill::shell) done += "; a shell " + brief(report.shellThickness) + " thick";
   if (report.sheetThickness > 0.0) {
     done += "; " + counted(defects.sheetTriangles, "triangle") +
-            " on both sides of sheets, as of leaves, made shells " + text(report.sheetThickness) +
+            " on both sides of sheets, as of leaves, made shells " + brief(report.sheetThickness) +
             " thick";
   }
   if (defects.flippedTriangles > 0) {
@@ -272,9 +272,9 @@ std::string meshReport(const SourceMesh& source, const FractureResult& result) {
                                    : " bodies closer than a voxel to others kept apart");
   }
 
-  std::string volumes = "volume " + text(solidVolume(result));
+  std::string volumes = "volume " + brief(solidVolume(result));
   if (const double own = meshVolume(result); own > 0.0) {
-    volumes += ", the mesh's own " + text(own) + " (" + (difference(result) < 0.0 ? "-" : "+") +
+    volumes += ", the mesh's own " + brief(own) + " (" + (difference(result) < 0.0 ? "-" : "+") +
                percent(std::abs(difference(result))) + ")";
   }
   if (report.walls.thinShare > 0.0) {
@@ -295,8 +295,8 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
                                     result.fragments.front().meshedAs != Surface::exact);
   const bool mayOverlap = report.keptBodies > 0 && isOfVoxels;
   if (std::abs(difference(result)) > kVolumesAgree && !mayOverlap) {
-    warnings.push_back(titleOf(source) + ": the solid's volume is " + text(solidVolume(result)) +
-                       ", the mesh's own " + text(meshVolume(result)) +
+    warnings.push_back(titleOf(source) + ": the solid's volume is " + brief(solidVolume(result)) +
+                       ", the mesh's own " + brief(meshVolume(result)) +
                        "; overlaps count once, and walls thinner than a voxel are lost");
   }
   if (std::string united = unitedText(result.united); !united.empty()) {
@@ -336,10 +336,10 @@ std::vector<std::string> meshWarnings(const SourceMesh& source, const FractureRe
                        std::to_string(report.walls.resolution) +
                        " voxels, above the highest automatic one, " +
                        std::to_string(kMostAutoResolution) + "; walls are " +
-                       text(report.walls.thinnest) + " voxels thin and may be lost");
+                       brief(report.walls.thinnest) + " voxels thin and may be lost");
   } else if (report.walls.thinnest < 1.0 && report.walls.resolution > 0 &&
              report.fill != Fill::shell) {
-    warnings.push_back(titleOf(source) + ": walls are down to " + text(report.walls.thinnest) +
+    warnings.push_back(titleOf(source) + ": walls are down to " + brief(report.walls.thinnest) +
                        " voxels thin and may be lost; a resolution of " +
                        std::to_string(report.walls.resolution) + " preserves them");
   }

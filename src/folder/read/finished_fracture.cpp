@@ -38,7 +38,7 @@ void setFaces(FinishedFracture& finished, std::span<const Fragment> fragments) {
 }
 
 // Returns the labels of the fragments that are kept, on the solid's leaves.
-Labels labelsOn(const Solid& solid, const FractureResult& result) {
+Labels labelsOfBlocks(const Solid& solid, const FractureResult& result) {
   Labels labels;
   labels.blocks = solid.blocks;
   labels.fragmentCount = static_cast<int>(result.kept());
@@ -79,7 +79,7 @@ FinishedFracture finishedFracture(const SourceMesh& source, const FractureOption
   if (options.surface.surface != Surface::labels) {
     finished.solid.region = regionOf(finished.solid, originalOf(finished.faces));
   }
-  finished.labels = labelsOn(finished.solid, result);
+  finished.labels = labelsOfBlocks(finished.solid, result);
   return finished;
 }
 

@@ -34,7 +34,7 @@ Contacts contactsOf(const FragmentSet& set) {
 }
 
 /// The number at the end of a file's name without its extension, 0 if it is no id.
-int numberOf(const std::string& name) {
+int idInName(const std::string& name) {
   const std::string stem = std::filesystem::path(name).stem().string();
   const std::size_t before = stem.find_last_not_of("0123456789");
   const std::string digits = stem.substr(before == std::string::npos ? 0 : before + 1);
@@ -45,7 +45,7 @@ int numberOf(const std::string& name) {
 
 std::vector<int> idsOfNames(const FragmentSet& set) {
   std::vector<int> ids;
-  for (const EvaluatedFragment& fragment : set.fragments) ids.push_back(numberOf(fragment.name));
+  for (const EvaluatedFragment& fragment : set.fragments) ids.push_back(idInName(fragment.name));
   const std::set<int> different(ids.begin(), ids.end());
   if (different.size() < ids.size() || different.contains(0)) return {};
   return ids;

@@ -48,7 +48,7 @@ int idOf(const Json& object, const char* key) {
   return id >= 0.0 && id <= kMaxFragments ? static_cast<int>(id) : 0;
 }
 
-std::vector<ViewerPiece::Contact> contactsOf(const Json& fragment) {
+std::vector<ViewerPiece::Contact> pieceContacts(const Json& fragment) {
   std::vector<ViewerPiece::Contact> contacts;
   for (const char* const key : {"contacts", "thin_contacts"}) {
     const auto found = fragment.find(key);
@@ -78,7 +78,7 @@ ViewerPiece pieceOf(const Json& json, bool isMissing) {
   const std::array<double, 3> centroid = numbersOf<3>(json, "centroid");
   piece.centroid = {centroid[0], centroid[1], centroid[2]};
   piece.inertia = numbersOf<6>(json, "inertia");
-  piece.contacts = contactsOf(json);
+  piece.contacts = pieceContacts(json);
   piece.split = idOf(json, "split");
   return piece;
 }
@@ -130,7 +130,7 @@ std::string meshFileOf(const ManifestFragment& fragment) {
   return fragment.meshes.empty() ? "" : fragment.meshes.front();
 }
 
-std::uint64_t bytesOf(const TriangleMesh& mesh) {
+std::uint64_t bytesToView(const TriangleMesh& mesh) {
   return mesh.vertices.size() * sizeof(glm::dvec3) +
          mesh.triangles.size() * (sizeof(glm::uvec3) + sizeof(std::array<glm::vec2, 3>));
 }
@@ -148,7 +148,7 @@ ReadMeshes meshesOf(const fs::path& file, const Manifest& manifest, std::uint64_
       some[i] = readMesh(listedFile(file, name), {.maxMemory = maxMemory}, progress);
     });
     for (SourceMesh& source : some) {
-      maxMemory -= std::min(maxMemory, bytesOf(source.mesh));
+      maxMemory -= std::min(maxMemory, bytesToView(source.mesh));
       add(all, std::move(source));
     }
   }

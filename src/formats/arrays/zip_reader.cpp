@@ -15,7 +15,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalBytes = 30;
+constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalHeaderBytes = 30;
 constexpr std::size_t kLocatorBytes = 20, kEnd64Bytes = 56;
 constexpr std::uint64_t kMostInflated = 1032;  // largest ratio of inflated to deflated bytes
 
@@ -119,10 +119,10 @@ std::vector<ZipEntry> zipEntries(std::string_view file, const std::string& name,
     entry.size = head.at<std::uint32_t>(24);
     widen(rest.text().substr(nameBytes, extra), {&entry.size, &packed, &offset}, name);
 
-    const Record local(file, offset, kLocalBytes, name);
+    const Record local(file, offset, kLocalHeaderBytes, name);
     if (!local.is(std::string_view("PK\x03\x04", 4))) inputError(name, "is a damaged ZIP file");
     const std::uint64_t begin =
-        offset + kLocalBytes + local.at<std::uint16_t>(26) + local.at<std::uint16_t>(28);
+        offset + kLocalHeaderBytes + local.at<std::uint16_t>(26) + local.at<std::uint16_t>(28);
     entry.packed = Record(file, begin, packed, name).text();
     const bool fits =
         entry.method == 0 ? entry.size == packed : entry.size / kMostInflated <= packed;

@@ -14,7 +14,7 @@
 namespace sherd {
 namespace {
 
-using Json = GlbFile::Json;
+using OrderedJson = GlbFile::Json;
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kShortIndices = 65535;  // vertices; the largest index means something else
@@ -55,17 +55,17 @@ class MeshWriter {
     std::stable_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
       return piece.materialOf(a) < piece.materialOf(b);
     });
-    Json attributes = {{"POSITION", positions()}, {"NORMAL", normals()}};
+    OrderedJson attributes = {{"POSITION", positions()}, {"NORMAL", normals()}};
     if (!piece.attributes.texcoords.empty()) attributes["TEXCOORD_0"] = texcoords();
     if (!piece.attributes.colors.empty()) attributes["COLOR_0"] = colors();
     attributes["_NEIGHBOR"] = neighbor();
     const std::size_t indices = indexView();
-    Json primitives = Json::array();
+    OrderedJson primitives = OrderedJson::array();
     for (std::size_t first = 0; first < order_.size();) {
       const std::uint32_t material = piece.materialOf(order_[first]);
       std::size_t end = first;
       while (end < order_.size() && piece.materialOf(order_[end]) == material) ++end;
-      Json one = primitive(attributes, indices, first, end);
+      OrderedJson one = primitive(attributes, indices, first, end);
       one["material"] = materials.numberOf(material, piece.attributes);
       primitives.push_back(std::move(one));
       first = end;
@@ -74,23 +74,24 @@ class MeshWriter {
   }
 
   std::size_t addPlain(const std::string& name) {
-    const Json attributes = {{"POSITION", positions()}};
+    const OrderedJson attributes = {{"POSITION", positions()}};
     const std::size_t indices = indexView();
-    return addMesh(name, Json::array({primitive(attributes, indices, 0, order_.size())}),
+    return addMesh(name, OrderedJson::array({primitive(attributes, indices, 0, order_.size())}),
                    attributes["POSITION"], indices);
   }
 
  private:
   // The triangles from the first to before the end, in order_.
-  Json primitive(const Json& attributes, std::size_t indices, std::size_t first, std::size_t end) {
+  OrderedJson primitive(const OrderedJson& attributes, std::size_t indices, std::size_t first,
+                        std::size_t end) {
     const std::size_t list = file_.accessor(indices, indexType_, 3 * (end - first), "SCALAR");
     if (first > 0) file_.accessors[list]["byteOffset"] = 3 * first * indexBytes();
     return {{"attributes", attributes}, {"indices", list}};
   }
 
-  std::size_t addMesh(const std::string& name, Json primitives, std::size_t positions,
+  std::size_t addMesh(const std::string& name, OrderedJson primitives, std::size_t positions,
                       std::size_t indices) {
-    Json mesh = {{"name", name}, {"primitives", std::move(primitives)}};
+    OrderedJson mesh = {{"name", name}, {"primitives", std::move(primitives)}};
     if (!order_.empty() && nonManifoldEdges(mesh_) == 0) {
       mesh["extensions"] = {{"EXT_mesh_manifold", manifold(positions, indices)}};
       file_.extensionsUsed.insert("EXT_mesh_manifold");
@@ -186,7 +187,7 @@ class MeshWriter {
   }
 
   // The same list of indices, with the first of those that have one vertex in place of each other.
-  Json manifold(std::size_t positions, std::size_t indices) {
+  OrderedJson manifold(std::size_t positions, std::size_t indices) {
     std::vector<std::uint32_t> firstOf(mesh_.vertices.size(), kNone);
     std::vector<std::uint32_t> merged;  // places in the list
     for (std::size_t i = 0; i < 3 * order_.size(); ++i) {
@@ -196,8 +197,9 @@ class MeshWriter {
       if (first != corner) merged.push_back(static_cast<std::uint32_t>(i));
     }
     const std::size_t all = file_.accessor(indices, indexType_, 3 * order_.size(), "SCALAR");
-    Json extension = {{"manifoldPrimitive",
-                       {{"mode", 4}, {"attributes", {{"POSITION", positions}}}, {"indices", all}}}};
+    OrderedJson extension = {
+        {"manifoldPrimitive",
+         {{"mode", 4}, {"attributes", {{"POSITION", positions}}}, {"indices", all}}}};
     if (merged.empty()) return extension;
     file_.begin();
     for (const std::uint32_t place : merged) storeLittle(file_.bytes, place);

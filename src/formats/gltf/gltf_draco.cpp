@@ -112,8 +112,8 @@ std::unique_ptr<draco::Mesh> decode(std::string_view stream, const MeshFile& fil
 }
 
 // Returns the values of an attribute per point, normalized if the accessor says so.
-GltfArray valuesOf(const GltfDocument& document, const draco::Mesh& mesh,
-                   const draco::PointAttribute& attribute, const Json& accessor) {
+GltfArray dracoValues(const GltfDocument& document, const draco::Mesh& mesh,
+                      const draco::PointAttribute& attribute, const Json& accessor) {
   constexpr int kMostComponents = 16;
   if (attribute.num_components() > kMostComponents)
     throw document.bad("an attribute of a mesh packed by Draco has " +
@@ -165,7 +165,7 @@ std::optional<GltfDraco> decodeDraco(const GltfDocument& document, const Json& p
     const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(id->get<std::uint32_t>());
     if (attribute == nullptr)
       throw document.bad("a mesh packed by Draco has no attribute for " + inQuotes(name));
-    out.attributes.emplace(name, valuesOf(document, *mesh, *attribute, accessorOf(name)));
+    out.attributes.emplace(name, dracoValues(document, *mesh, *attribute, accessorOf(name)));
   }
   out.triangles.reserve(mesh->num_faces());
   for (std::uint32_t i = 0; i < mesh->num_faces(); ++i) {

@@ -9,10 +9,10 @@
 namespace sherd {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // Takes the upward axis to y: a quarter of a rotation about x, or a third of one about all axes.
-Json rotationOf(char up) {
+OrderedJson rotationOf(char up) {
   const double half = std::sqrt(0.5);
   if (up == 'z') return {-half, 0.0, 0.0, half};
   return {0.5, 0.5, 0.5, 0.5};
@@ -24,15 +24,15 @@ bool isOfGltf(const CoordinateSystem& coordinates) {
   return coordinates.metersPerUnit == 1.0 && coordinates.up == 'y';
 }
 
-Json rootTransform(const CoordinateSystem& coordinates) {
-  Json node = Json::object();
+OrderedJson rootTransform(const CoordinateSystem& coordinates) {
+  OrderedJson node = OrderedJson::object();
   if (coordinates.up != 'y') node["rotation"] = rotationOf(coordinates.up);
   const double m = coordinates.metersPerUnit;
   if (m != 1.0) node["scale"] = {m, m, m};
   return node;
 }
 
-Json assetExtras(const CoordinateSystem& coordinates) {
+OrderedJson assetExtras(const CoordinateSystem& coordinates) {
   return {
       {"sherd",
        {{"meters_per_unit", coordinates.metersPerUnit}, {"up", std::string(1, coordinates.up)}}}};
@@ -50,7 +50,7 @@ std::optional<CoordinateSystem> coordinatesBelow(const nlohmann::json& asset,
   CoordinateSystem coordinates{meters.get<double>(), up.get<std::string>().front(),
                                CoordinateBasis::file, CoordinateBasis::file};
   if (!isUnit(coordinates.metersPerUnit)) return {};
-  const Json expected = rootTransform(coordinates);
+  const OrderedJson expected = rootTransform(coordinates);
   for (const char* key : {"matrix", "translation", "rotation", "scale"}) {
     const nlohmann::json of =
         expected.contains(key) ? nlohmann::json(expected[key]) : nlohmann::json();

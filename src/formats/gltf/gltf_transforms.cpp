@@ -13,7 +13,7 @@
 namespace sherd {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kTransform = "KHR_texture_transform";
 
@@ -30,11 +30,11 @@ struct Transform {
   }
 };
 
-glm::vec2 pairIn(const Json& transform, const char* key, glm::vec2 usual) {
+glm::vec2 pairIn(const OrderedJson& transform, const char* key, glm::vec2 usual) {
   const auto found = transform.find(key);
   if (found == transform.end() || !found->is_array() || found->size() != 2) return usual;
   for (int i = 0; i < 2; ++i) {
-    const Json& number = (*found)[static_cast<std::size_t>(i)];
+    const OrderedJson& number = (*found)[static_cast<std::size_t>(i)];
     if (!number.is_number() || !std::isfinite(number.get<float>())) return usual;
     usual[i] = number.get<float>();
   }
@@ -42,7 +42,7 @@ glm::vec2 pairIn(const Json& transform, const char* key, glm::vec2 usual) {
 }
 
 // Returns the transform of a texture's use; that which changes nothing where it has none.
-Transform transformOf(const Json& use) {
+Transform transformOf(const OrderedJson& use) {
   const auto extensions = use.find("extensions");
   if (extensions == use.end() || !extensions->is_object()) return {};
   const auto found = extensions->find(kTransform);
@@ -57,7 +57,7 @@ Transform transformOf(const Json& use) {
   return transform;
 }
 
-void removeTransform(Json& use) {
+void removeTransform(OrderedJson& use) {
   const auto extensions = use.find("extensions");
   if (extensions == use.end() || !extensions->is_object()) return;
   extensions->erase(kTransform);
@@ -72,10 +72,10 @@ void applyTextureTransforms(const MeshFile& file, RawMesh& mesh) {
   for (std::size_t m = 0; m < ofMaterial.size(); ++m) {
     Material& material = mesh.appearance.materials[m];
     if (material.gltf.find(kTransform) == std::string::npos) continue;
-    Json json = Json::parse(material.gltf);
+    OrderedJson json = OrderedJson::parse(material.gltf);
     std::optional<Transform> common;
     bool differ = false;
-    forEachTextureUse(json, [&](Json& use) {
+    forEachTextureUse(json, [&](OrderedJson& use) {
       const Transform own = transformOf(use);
       differ |= common && *common != own;
       if (!common) common = own;
@@ -88,7 +88,7 @@ void applyTextureTransforms(const MeshFile& file, RawMesh& mesh) {
                               " are transformed in several ways, which only glTF shows");
       continue;
     }
-    forEachTextureUse(json, [&](Json& use) {
+    forEachTextureUse(json, [&](OrderedJson& use) {
       removeTransform(use);
       return true;
     });

@@ -12,20 +12,20 @@
 namespace sherd {
 namespace {
 
-using Json = GlbFile::Json;
+using OrderedJson = GlbFile::Json;
 
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kLevels = "MSFT_lod";
 
-Json jsonOfVector(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+OrderedJson jsonOfVector(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 // The extension's schema has no mass or inertia of 0: an engine derives them from the collider.
 //   density  kilograms per cubic unit; moments of inertia are in kilograms and meters
-Json motionOf(const MassProperties& mass, double density, double metersPerUnit) {
+OrderedJson motionOf(const MassProperties& mass, double density, double metersPerUnit) {
   const PrincipalInertia inertia = principalInertia(mass);
   const glm::dvec3 moments = density * metersPerUnit * metersPerUnit * inertia.moments;
   const glm::dquat& rotation = inertia.orientation;
-  Json motion = {{"centerOfMass", jsonOfVector(glm::dvec3(0.0))}};
+  OrderedJson motion = {{"centerOfMass", jsonOfVector(glm::dvec3(0.0))}};
   if (mass.volume > 0.0) motion["mass"] = density * mass.volume;
   if (moments.x > 0.0 && moments.y > 0.0 && moments.z > 0.0) {
     motion["inertiaDiagonal"] = jsonOfVector(moments);
@@ -56,7 +56,7 @@ class SceneWriter {
  private:
   void addPiece(const ScenePiece& own) {
     throwIfCancelled(progress_);
-    Json node = {{"name", own.piece.name}};
+    OrderedJson node = {{"name", own.piece.name}};
     if (own.coarse.empty()) node["mesh"] = meshOf(own, own.piece);
     node["translation"] = jsonOfVector(own.mass.centroid);
     node["extensions"] = {
@@ -80,7 +80,7 @@ class SceneWriter {
     const std::size_t first = file_.nodes.size();
     file_.nodes[i]["extensions"][kPhysics]["collider"]["geometry"]["node"] = first;
     file_.nodes[i]["children"].push_back(first);
-    Json others = Json::array(), coverage = Json::array({0.5});
+    OrderedJson others = OrderedJson::array(), coverage = OrderedJson::array({0.5});
     for (std::size_t k = 0; k < own.coarse.size(); ++k) {
       others.push_back(first + 1 + k);
       coverage.push_back(k + 1 == own.coarse.size() ? 0.0 : coverage.back().get<double>() / 2.0);
@@ -118,17 +118,18 @@ class SceneWriter {
   void addJoints() {
     const std::vector<SceneJoint> joints = jointsOf(scene_);
     if (joints.empty()) return;
-    const Json none = {{"min", 0.0}, {"max", 0.0}};
-    Json linear = {{"linearAxes", {0, 1, 2}}}, angular = {{"angularAxes", {0, 1, 2}}};
+    const OrderedJson none = {{"min", 0.0}, {"max", 0.0}};
+    OrderedJson linear = {{"linearAxes", {0, 1, 2}}}, angular = {{"angularAxes", {0, 1, 2}}};
     linear.update(none);
     angular.update(none);
     file_.extensions[kPhysics] = {
         {"physicsJoints",
-         Json::array({{{"name", "fixed"}, {"limits", Json::array({linear, angular})}}})}};
+         OrderedJson::array(
+             {{{"name", "fixed"}, {"limits", OrderedJson::array({linear, angular})}}})}};
     for (const SceneJoint& joint : joints) {
       throwIfCancelled(progress_);
       const std::size_t first = file_.nodes.size();
-      Json node = frame(joint.one, joint.other, *joint.contact);
+      OrderedJson node = frame(joint.one, joint.other, *joint.contact);
       node["extensions"] = {{kPhysics, {{"joint", {{"connectedNode", first + 1}, {"joint", 0}}}}}};
       node["extras"] = {{"area", joint.contact->area},
                         {"breakForce", jointStrength(*joint.contact, scene_.strengthOfUnits())}};
@@ -140,7 +141,8 @@ class SceneWriter {
   }
 
   // Where a contact is, as seen from one of its pieces.
-  [[nodiscard]] Json frame(std::size_t piece, std::size_t other, const Contact& contact) const {
+  [[nodiscard]] OrderedJson frame(std::size_t piece, std::size_t other,
+                                  const Contact& contact) const {
     const ScenePiece& own = scene_.pieces[piece];
     return {
         {"name", "joint_" + std::to_string(own.id) + "_" + std::to_string(scene_.pieces[other].id)},

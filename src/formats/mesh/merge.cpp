@@ -14,7 +14,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kUnnumbered = 0xffffffffu;
 
 // The bits of a position: NaNs equal themselves, so many of them stay cheap; adding 0 turns -0 into
 // 0.
@@ -41,7 +41,7 @@ std::size_t slotsFor(std::size_t vertices) { return std::bit_ceil(2 * vertices +
 // Returns for each vertex the first one at the same position.
 std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
   const std::size_t slots = slotsFor(vertices.size());
-  std::vector<std::uint32_t> table(slots, kNone);  // open addressing: a vertex per slot
+  std::vector<std::uint32_t> table(slots, kUnnumbered);  // open addressing: a vertex per slot
   std::vector<std::uint32_t> first(vertices.size());
   // The table is larger than the caches: a block's slots are prefetched together.
   constexpr std::size_t kBlock = 32;
@@ -55,9 +55,9 @@ std::vector<std::uint32_t> firstEqual(const std::vector<glm::dvec3>& vertices) {
     for (std::size_t i = begin; i < end; ++i) {
       const Bits bits = bitsOf(vertices[i]);
       std::size_t slot = slotOf[i - begin];
-      while (table[slot] != kNone && bitsOf(vertices[table[slot]]) != bits)
+      while (table[slot] != kUnnumbered && bitsOf(vertices[table[slot]]) != bits)
         slot = (slot + 1) & (slots - 1);
-      if (table[slot] == kNone) table[slot] = static_cast<std::uint32_t>(i);
+      if (table[slot] == kUnnumbered) table[slot] = static_cast<std::uint32_t>(i);
       first[i] = table[slot];
     }
   }
@@ -110,10 +110,10 @@ void setPolygons(RawMesh& raw, const std::vector<std::uint32_t>& kept, MemoryBud
 
 // Keeps the objects that have a triangle; a single one is the mesh itself.
 void setObjects(RawMesh&& raw, SourceMesh& out) {
-  std::vector<std::uint32_t> number(raw.objects.size(), kNone);
+  std::vector<std::uint32_t> number(raw.objects.size(), kUnnumbered);
   for (const std::uint32_t object : raw.objectOfTriangle) number[object] = 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number[i] == kNone) continue;
+    if (number[i] == kUnnumbered) continue;
     number[i] = static_cast<std::uint32_t>(out.objects.size());
     out.objects.push_back(std::move(raw.objects[i]));
   }
@@ -140,7 +140,7 @@ SourceMesh mergeVertices(RawMesh&& raw, MemoryBudget* memory) {
   std::vector<std::uint32_t> kept = finiteTriangles(raw, out);
   const std::vector<std::uint32_t> first = firstEqual(raw.vertices);
   const std::size_t finite = kept.size();
-  std::vector<std::uint32_t> number(raw.vertices.size(), kNone);  // in the new mesh
+  std::vector<std::uint32_t> number(raw.vertices.size(), kUnnumbered);  // in the new mesh
   std::erase_if(kept, [&](std::uint32_t i) {
     glm::uvec3& t = raw.triangles[i];
     t = {first[t.x], first[t.y], first[t.z]};
@@ -152,7 +152,7 @@ SourceMesh mergeVertices(RawMesh&& raw, MemoryBudget* memory) {
 
   std::uint32_t used = 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number[i] == kNone) continue;
+    if (number[i] == kUnnumbered) continue;
     raw.vertices[used] = raw.vertices[i];
     number[i] = used++;
   }

@@ -9,13 +9,13 @@ namespace {
 // Rounding to single precision changes the length of a unit vector by less.
 constexpr double kRounding = 1e-6;
 
-constexpr glm::vec3 kNone(0.0f);
+constexpr glm::vec3 kNoNormal(0.0f);
 
-// Returns the unit vector of a normal, or kNone if it has no direction.
+// Returns the unit vector of a normal, or kNoNormal if it has no direction.
 glm::vec3 unitNormal(const glm::vec3& normal) {
   const glm::dvec3 v(normal);
   const double length = glm::length(v);
-  if (!std::isfinite(length) || !(length > 0.0)) return kNone;
+  if (!std::isfinite(length) || !(length > 0.0)) return kNoNormal;
   if (std::abs(length - 1.0) <= kRounding) return normal;
   return glm::vec3(v / length);
 }
@@ -37,7 +37,7 @@ void completeNormals(RawMesh& mesh) {
   for (auto& corners : normals) {
     for (glm::vec3& normal : corners) {
       normal = unitNormal(normal);
-      isAnyGiven |= normal != kNone;
+      isAnyGiven |= normal != kNoNormal;
     }
   }
   if (!isAnyGiven) {
@@ -46,7 +46,7 @@ void completeNormals(RawMesh& mesh) {
   }
   for (std::size_t t = 0; t < normals.size(); ++t) {
     for (glm::vec3& normal : normals[t]) {
-      if (normal == kNone) normal = normalOf(mesh, mesh.triangles[t]);
+      if (normal == kNoNormal) normal = normalOf(mesh, mesh.triangles[t]);
     }
   }
 }

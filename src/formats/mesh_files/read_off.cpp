@@ -156,7 +156,7 @@ struct OffReader {
 }  // namespace
 
 RawMesh readOff(const MeshFile& file) {
-  Reader reader{.file = file};
+  OffReader reader{.file = file};
   reader.read();
   RawMesh out;
   triangulateInto(file, std::move(reader.mesh), out);

@@ -15,7 +15,7 @@ namespace sherd {
 namespace {
 
 // The header must not begin with "solid": readers assume text then.
-constexpr std::size_t kHeader = 80;
+constexpr std::size_t kTitleBytes = 80;
 
 glm::vec3 normalOf(const TriangleMesh& mesh, const glm::uvec3& t) {
   const glm::dvec3& a = mesh.vertices[t.x];
@@ -32,10 +32,10 @@ void store(std::string& bytes, const glm::vec3& v) {
 
 void writePieceStl(const OutputFile& file, const PieceMesh& piece) {
   const TriangleMesh& mesh = piece.mesh;
-  std::string bytes(kHeader, '\0');
+  std::string bytes(kTitleBytes, '\0');
   const std::string name = "Sherd " + piece.name;
-  std::copy_n(name.begin(), std::min(name.size(), kHeader), bytes.begin());
-  bytes.reserve(kHeader + 4 + 50 * mesh.triangles.size());
+  std::copy_n(name.begin(), std::min(name.size(), kTitleBytes), bytes.begin());
+  bytes.reserve(kTitleBytes + 4 + 50 * mesh.triangles.size());
   storeLittle(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const glm::uvec3& t : mesh.triangles) {
     store(bytes, normalOf(mesh, t));

@@ -79,7 +79,7 @@ std::vector<Column> columnsOf(const PlyElement& element) {
   return columns;
 }
 
-bool has(const PlyElement* element, std::initializer_list<Role> roles) {
+bool hasRoles(const PlyElement* element, std::initializer_list<Role> roles) {
   if (element == nullptr) return false;
   const std::vector<Column> columns = columnsOf(*element);
   return std::all_of(roles.begin(), roles.end(), [&](Role role) {
@@ -138,7 +138,7 @@ struct Reader {
   bool byMaterial = has(face, {Role::material});
   bool hasNeighbors = has(face, {Role::neighbor}) && strips == nullptr;
   // Beside neighbors they are Sherd's, means that include the faces of cracks.
-  bool vertexNormals = !hasNeighbors && has(vertex, {Role::nx, Role::ny, Role::nz});
+  bool vertexNormals = !hasNeighbors && hasRoles(vertex, {Role::nx, Role::ny, Role::nz});
 
   RawMesh out{};
   PolygonMesh mesh{};
@@ -160,14 +160,14 @@ struct Reader {
           throw inputError(file, "its faces' corners are not of a whole-number type");
       }
     }
-    if (!has(vertex, {Role::x, Role::y, Role::z}))
+    if (!hasRoles(vertex, {Role::x, Role::y, Role::z}))
       throw inputError(file, "its vertices have no x, y and z");
     const bool someFaces = (face != nullptr && face->count > 0) || strips != nullptr;
     if (!someFaces && vertexCount > 0) {
       throw inputError(
           file, "holds " + std::to_string(vertexCount) + " points and no faces; a mesh is needed");
     }
-    if (!has(face, {Role::corners}) && !has(strips, {Role::strip}))
+    if (!hasRoles(face, {Role::corners}) && !hasRoles(strips, {Role::strip}))
       throw inputError(file, "its faces have no list 'vertex_indices'");
   }
 

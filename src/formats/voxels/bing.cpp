@@ -12,7 +12,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 12;
+constexpr std::size_t kBingHeaderBytes = 12;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ RunLengthVoxels parseBing(std::string_view bytes, const std::string& name,
                           const ReadOptions& options) {
   MemoryBudget memory(name, options.maxMemory);
   GrowingMemory growing(&memory);
-  if (bytes.size() < kHeaderBytes) {
+  if (bytes.size() < kBingHeaderBytes) {
     inputError(name,
                "ends after " + std::to_string(bytes.size()) + " bytes; a .bing header has 12");
   }
@@ -28,7 +28,7 @@ RunLengthVoxels parseBing(std::string_view bytes, const std::string& name,
     return loadLittle<std::uint32_t>(bytes.data() + 4 * axis);
   };
   RunLengthVoxels voxels{boxOf({side(0), side(1), side(2)}, name), {}};
-  const std::string_view body = bytes.substr(kHeaderBytes);
+  const std::string_view body = bytes.substr(kBingHeaderBytes);
   const std::uint64_t total = voxelsIn(voxels.dims);
   if (body.size() % 2 != 0 || body.size() / 2 != total) {
     inputError(name, "is cut or damaged: its box has " + std::to_string(total) +

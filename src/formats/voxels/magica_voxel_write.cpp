@@ -189,13 +189,13 @@ struct Cube {
   std::string voxels;          // u8 x, y, z, color of each
 };
 
-struct Scene {
+struct WrittenScene {
   std::vector<Cube> cubes;           // in the order of their first voxels
   std::array<int, 3> low{}, high{};  // voxels
 };
 
-Scene sceneOf(const RunLengthVoxels& voxels, const Colors& colors) {
-  Scene scene;
+WrittenScene sceneOf(const RunLengthVoxels& voxels, const Colors& colors) {
+  WrittenScene scene;
   std::map<std::array<int, 3>, std::size_t> cubeAt;
   walkRows(voxels, [&](int x, int y, int z, int length, std::uint16_t label) {
     if (label == 0) return;
@@ -223,7 +223,7 @@ Scene sceneOf(const RunLengthVoxels& voxels, const Colors& colors) {
 }
 
 // The offset that centers the scene on the floor.
-std::string translationOf(const Scene& scene, const Cube& cube) {
+std::string translationOf(const WrittenScene& scene, const Cube& cube) {
   std::string text;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double at = (cube.index[axis] + 0.5) * kSide;
@@ -244,7 +244,7 @@ void encodeMagicaVoxel(const RunLengthVoxels& voxels, const ByteSink& sink) {
     throw Error(ErrorCode::output,
                 "a .vox holds 1 to 2^29 voxels, not " + std::to_string(used.voxels) + "; try .rle");
   }
-  const Scene scene = sceneOf(voxels, colorsOf(voxels, used));
+  const WrittenScene scene = sceneOf(voxels, colorsOf(voxels, used));
 
   std::string nodes = transformChunk(0, 1, -1, "");
   std::string group = numbers({1, /*attributes*/ 0, static_cast<int>(scene.cubes.size())});

@@ -49,10 +49,10 @@ struct Interval {
   std::vector<std::uint16_t> ends;  // [columns of the node], y fastest
 };
 
-struct Node {
+struct QuadNode {
   Square square;
   std::vector<Interval> intervals;
-  std::vector<std::unique_ptr<Node>> children;
+  std::vector<std::unique_ptr<QuadNode>> children;
 };
 
 bool sameLabels(const Columns& columns, const Square& s) {
@@ -97,7 +97,7 @@ std::vector<Square> quarters(const Square& s) {
 
 // Moves up the intervals that all children have at the same position. Like the authors' writer, the
 // position advances although lists shrink: of two consecutive candidates the second is skipped.
-void moveUp(Node& node) {
+void moveUp(QuadNode& node) {
   for (std::size_t position = 0; position < node.children[0]->intervals.size(); ++position) {
     const std::uint16_t label = node.children[0]->intervals[position].label;
     const bool same =
@@ -107,7 +107,7 @@ void moveUp(Node& node) {
         });
     if (!same) continue;
     Interval moved{label, std::vector<std::uint16_t>(node.square.columns())};
-    for (const std::unique_ptr<Node>& child : node.children) {
+    for (const std::unique_ptr<QuadNode>& child : node.children) {
       const Square& s = child->square;
       const auto at = child->intervals.begin() + static_cast<std::ptrdiff_t>(position);
       for (int x = s.minX; x < s.maxX; ++x) {
@@ -120,8 +120,8 @@ void moveUp(Node& node) {
   }
 }
 
-std::unique_ptr<Node> build(const Columns& columns, const Square& square) {
-  auto node = std::make_unique<Node>();
+std::unique_ptr<QuadNode> build(const Columns& columns, const Square& square) {
+  auto node = std::make_unique<QuadNode>();
   node->square = square;
   if (sameLabels(columns, square)) {
     node->intervals = leafIntervals(columns, square);
@@ -132,13 +132,13 @@ std::unique_ptr<Node> build(const Columns& columns, const Square& square) {
   return node;
 }
 
-std::uint64_t nodesWithIntervals(const Node& node) {
+std::uint64_t nodesWithIntervals(const QuadNode& node) {
   std::uint64_t count = node.intervals.empty() ? 0 : 1;
   for (const auto& child : node.children) count += nodesWithIntervals(*child);
   return count;
 }
 
-void encodeNode(const Node& node, const ByteSink& sink) {
+void encodeNode(const QuadNode& node, const ByteSink& sink) {
   if (!node.intervals.empty()) {
     const Square& s = node.square;
     std::string bytes;
@@ -266,7 +266,7 @@ void encodeQuadStack(const RunLengthVoxels& voxels, const ByteSink& sink) {
                                        " x " + std::to_string(dims.z()) + "; try .rle");
   }
   const Columns columns(voxels);
-  const std::unique_ptr<Node> root = build(columns, {0, 0, dims.x(), dims.y()});
+  const std::unique_ptr<QuadNode> root = build(columns, {0, 0, dims.x(), dims.y()});
   std::string header;
   storeLittle(header, std::uint64_t{2});
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -20,7 +20,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 12;
+constexpr std::size_t kRleHeaderBytes = 12;
 constexpr std::size_t kRunBytes = 6;
 constexpr std::size_t kOldRunBytes = 16;
 
@@ -62,7 +62,7 @@ std::string takeRuns(std::string_view body, bool old, RunLengthVoxels& voxels,
 RunLengthVoxels parseRle(std::string_view bytes, const std::string& name,
                          const ReadOptions& options) {
   MemoryBudget memory(name, options.maxMemory);
-  if (bytes.size() < kHeaderBytes) {
+  if (bytes.size() < kRleHeaderBytes) {
     inputError(name,
                "ends after " + std::to_string(bytes.size()) + " bytes; an .rle header has 12");
   }
@@ -70,7 +70,7 @@ RunLengthVoxels parseRle(std::string_view bytes, const std::string& name,
     return loadLittle<std::uint32_t>(bytes.data() + 4 * axis);
   };
   const openvdb::Coord dims = boxOf({side(0), side(1), side(2)}, name);
-  const std::string_view body = bytes.substr(kHeaderBytes);
+  const std::string_view body = bytes.substr(kRleHeaderBytes);
   RunLengthVoxels voxels{dims, {}};
   const std::string problem = takeRuns(body, false, voxels, memory);
   if (problem.empty()) return voxels;

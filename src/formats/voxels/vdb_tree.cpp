@@ -31,7 +31,7 @@ constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;  // io/Compressio
 constexpr std::uint32_t kNodeMaskCompression = 222;             // version.h
 
 // Upper bounds, allocator included.
-constexpr std::uint64_t kRootEntryBytes = 160, kNodeBytes = 256;
+constexpr std::uint64_t kRootEntryBytes = 160, kTreeNodeBytes = 256;
 
 // clang-format off
 constexpr std::array<VdbValues, 11> kTypes{{
@@ -157,9 +157,9 @@ class TreeWalk {
     const unsigned count = countOn(children);
     in_.take(std::uint64_t{kLeafVoxels / 8} * count);  // the leaves' value masks
     leaves_ += count;
-    memory_ += count * (kNodeBytes + (format_.values.hasBits
-                                          ? kLeafVoxels / 8
-                                          : std::uint64_t{kLeafVoxels} * format_.values.bytes));
+    memory_ += count * (kTreeNodeBytes + (format_.values.hasBits
+                                              ? kLeafVoxels / 8
+                                              : std::uint64_t{kLeafVoxels} * format_.values.bytes));
     if (!storesOrigins_) return;
     forEachChild(children, origin, kLowerLog2, 1 << kLeafLog2,
                  [&](const Origin& leaf) { origins_.push_back(leaf); });
@@ -179,7 +179,7 @@ class TreeWalk {
     valuesOf(isOld ? entries - countOn(children) : entries, entries, values);
     // A child's pointer or a value, in steps of 8 bytes.
     const std::uint64_t entryBytes = std::max(8u, (format_.values.bytes + 7) / 8 * 8);
-    memory_ += kNodeBytes + entries / 4 + entries * entryBytes;
+    memory_ += kTreeNodeBytes + entries / 4 + entries * entryBytes;
     return children;
   }
 

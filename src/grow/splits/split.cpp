@@ -183,7 +183,7 @@ std::vector<Seed> innerVoxels(GrowthState& state, const SplitNodes& nodes, std::
 }
 
 // [fragments] the shares that they were meant to have, by id.
-std::vector<double> meantShares(const SplitFracture& fracture) {
+std::vector<double> meantSharesOf(const SplitFracture& fracture) {
   std::vector<double> shares(fracture.pieces.size());
   for (const SplitPiece& piece : fracture.pieces) {
     shares[piece.label - 1u] = fracture.shares[piece.first];
@@ -293,7 +293,7 @@ SplitGrowth splitPieces(GrowthState& state, const VoxelComponents& components,
   for (std::size_t f = 0; f < fractures.size(); ++f) {
     grown.fractures.push_back({ordered(std::move(fractures[f].splits), lowest),
                                innerVoxels(state, nodes, f, fractures[f], low),
-                               meantShares(fractures[f]), decidedOf(fractures[f])});
+                               meantSharesOf(fractures[f]), decidedOf(fractures[f])});
   }
   return grown;
 }

@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastCosine = 0.7;  // between a triangle and its quad before any move
 constexpr double kLeastOnCrease = 0.5;
 constexpr double kLeastArea = 0.01;  // square voxels
-constexpr int kPasses = 2;
+constexpr int kBoundaryPasses = 2;
 constexpr std::array kSteps{0.75, 0.5, 0.25};
 constexpr std::array kStepsOnSurface{0.75, 0.5, 0.25, 0.0};
 
@@ -123,7 +123,7 @@ void straightenBoundaries(std::span<const std::vector<InterfaceQuad>> quads,
                           const std::function<bool(std::size_t)>& mayHave) {
   if (junctions.empty()) return;
   const JunctionQuads junctionQuads(quads, junctions, vertices, mayHave);
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kBoundaryPasses; ++pass) {
     for (std::size_t j = 0; j < junctions.size(); ++j) {
       const auto moveTo = [&](const glm::dvec3& at) {
         for (const std::uint32_t v : junctions[j].vertices()) vertices[v] = at;

@@ -120,12 +120,12 @@ class QuadsAround {
   std::vector<PlacedQuad> all_;       // by place
 };
 
-bool has(const PlacedTriangle& t, std::uint32_t v) {
+bool hasVertex(const PlacedTriangle& t, std::uint32_t v) {
   return v == t.vertex.x || v == t.vertex.y || v == t.vertex.z;
 }
 
 // Exceeds the rounding of a product of four lengths of a few voxels.
-constexpr double kRounding = 1e-9;
+constexpr double kHeightRounding = 1e-9;
 
 // Whether all corners of a triangle but common ones are certainly on one side of another's plane.
 bool isBeside(std::span<const glm::dvec3> vertices, const PlacedTriangle& t,
@@ -133,10 +133,10 @@ bool isBeside(std::span<const glm::dvec3> vertices, const PlacedTriangle& t,
   const glm::dvec3& corner = vertices[plane.vertex.x];
   bool isAbove = true, isBelow = true;
   for (int k = 0; k < 3; ++k) {
-    if (has(plane, t.vertex[k])) continue;
+    if (hasVertex(plane, t.vertex[k])) continue;
     const double height = glm::dot(plane.normal, vertices[t.vertex[k]] - corner);
-    isAbove = isAbove && height > kRounding;
-    isBelow = isBelow && height < -kRounding;
+    isAbove = isAbove && height > kHeightRounding;
+    isBelow = isBelow && height < -kHeightRounding;
   }
   return isAbove != isBelow;  // both if all corners are common
 }
@@ -149,7 +149,8 @@ bool isBeyond(std::span<const glm::dvec3> vertices, const PlacedTriangle& t,
     const std::uint32_t from = of.vertex[k], to = of.vertex[(k + 1) % 3];
     const glm::dvec3 outward = glm::cross(vertices[to] - vertices[from], of.normal);
     const auto isBeyondEdge = [&](std::uint32_t v) {
-      return v == from || v == to || glm::dot(outward, vertices[v] - vertices[from]) > kRounding;
+      return v == from || v == to ||
+             glm::dot(outward, vertices[v] - vertices[from]) > kHeightRounding;
     };
     if (isBeyondEdge(t.vertex.x) && isBeyondEdge(t.vertex.y) && isBeyondEdge(t.vertex.z))
       return true;

@@ -20,7 +20,7 @@ constexpr double kSameAngle = 1e-9;    // radians: faces in one plane, by differ
 constexpr double kFlatVolume = 1e-13;  // of the cube of a box's diagonal: only rounding
 
 // The use of an edge by a triangle of a group of objects.
-struct Half {
+struct FaceSide {
   std::uint32_t low = 0, high = 0, group = 0, triangle = 0, tip = 0;
   bool isForward = false;
 };
@@ -40,9 +40,10 @@ std::vector<bool> areInverted(const TriangleMesh& mesh, const std::vector<std::u
 }
 
 // As of groups that are oriented outwards.
-std::vector<Half> sortedHalves(const TriangleMesh& mesh, const std::vector<std::uint32_t>& group) {
+std::vector<FaceSide> sortedHalves(const TriangleMesh& mesh,
+                                   const std::vector<std::uint32_t>& group) {
   const std::vector<bool> inverted = areInverted(mesh, group);
-  std::vector<Half> halves;
+  std::vector<FaceSide> halves;
   halves.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
@@ -53,7 +54,7 @@ std::vector<Half> sortedHalves(const TriangleMesh& mesh, const std::vector<std::
                         (from < to) != inverted[group[t]]});
     }
   }
-  std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) {
+  std::sort(halves.begin(), halves.end(), [](const FaceSide& a, const FaceSide& b) {
     return std::tie(a.low, a.high, a.group, a.triangle) <
            std::tie(b.low, b.high, b.group, b.triangle);
   });
@@ -62,10 +63,10 @@ std::vector<Half> sortedHalves(const TriangleMesh& mesh, const std::vector<std::
 
 // Calls visit(uses) for the uses of each edge by each group.
 template <class Visit>
-void forEachEdgeOfGroups(std::span<const Half> halves, const Visit& visit) {
+void forEachEdgeOfGroups(std::span<const FaceSide> halves, const Visit& visit) {
   for (std::size_t i = 0, end = 0; i < halves.size(); i = end) {
-    const Half& first = halves[i];
-    const auto isSame = [&](const Half& h) {
+    const FaceSide& first = halves[i];
+    const auto isSame = [&](const FaceSide& h) {
       return h.low == first.low && h.high == first.high && h.group == first.group;
     };
     while (end < halves.size() && isSame(halves[end])) ++end;
@@ -73,8 +74,9 @@ void forEachEdgeOfGroups(std::span<const Half> halves, const Visit& visit) {
   }
 }
 
-bool isBalanced(std::span<const Half> uses) {
-  const auto forward = std::ranges::count_if(uses, [](const Half& use) { return use.isForward; });
+bool isBalanced(std::span<const FaceSide> uses) {
+  const auto forward =
+      std::ranges::count_if(uses, [](const FaceSide& use) { return use.isForward; });
   return 2 * static_cast<std::size_t>(forward) == uses.size();
 }
 
@@ -85,8 +87,8 @@ std::vector<std::uint32_t> groupsOf(const TriangleMesh& mesh,
   if (objects.size() != group.size()) return group;
   for (std::size_t t = 0; t < group.size(); ++t) group[t] = objects[t] + 1;
   std::vector<bool> isOpen(std::size_t{*std::ranges::max_element(group)} + 1, false);
-  const std::vector<Half> halves = sortedHalves(mesh, group);
-  forEachEdgeOfGroups(halves, [&](std::span<const Half> uses) {
+  const std::vector<FaceSide> halves = sortedHalves(mesh, group);
+  forEachEdgeOfGroups(halves, [&](std::span<const FaceSide> uses) {
     if (!isBalanced(uses)) isOpen[uses.front().group] = true;
   });
   for (std::uint32_t& g : group) {
@@ -103,14 +105,14 @@ struct Spoke {
   std::uint32_t triangle = 0;
 };
 
-std::vector<Spoke> spokesOf(const TriangleMesh& mesh, std::span<const Half> uses) {
+std::vector<Spoke> spokesOf(const TriangleMesh& mesh, std::span<const FaceSide> uses) {
   const glm::dvec3& from = mesh.vertices[uses.front().low];
   const glm::dvec3 along = mesh.vertices[uses.front().high] - from;
   const glm::dvec3 away =
       std::abs(along.x) < std::abs(along.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 u = glm::cross(along, away), v = glm::cross(along, u) / glm::length(along);
   std::vector<Spoke> spokes;
-  for (const Half& use : uses) {
+  for (const FaceSide& use : uses) {
     const glm::dvec3 to = mesh.vertices[use.tip] - from;
     double angle = std::atan2(glm::dot(to, v), glm::dot(to, u));
     if (!spokes.empty()) angle -= spokes.front().angle;
@@ -170,16 +172,16 @@ void pairAround(std::vector<Spoke> spokes, const std::vector<std::uint32_t>& she
 std::vector<std::uint32_t> bodyNames(const TriangleMesh& mesh,
                                      std::span<const std::uint32_t> objects) {
   UnionFind bodies(mesh.triangles.size());
-  const std::vector<Half> halves = sortedHalves(mesh, groupsOf(mesh, objects));
-  const auto isOfSheets = [](std::span<const Half> uses) {
+  const std::vector<FaceSide> halves = sortedHalves(mesh, groupsOf(mesh, objects));
+  const auto isOfSheets = [](std::span<const FaceSide> uses) {
     return uses.size() > 2 && isBalanced(uses);
   };
-  forEachEdgeOfGroups(halves, [&](std::span<const Half> uses) {
+  forEachEdgeOfGroups(halves, [&](std::span<const FaceSide> uses) {
     if (isOfSheets(uses)) return;
-    for (const Half& use : uses) bodies.unite(uses.front().triangle, use.triangle);
+    for (const FaceSide& use : uses) bodies.unite(uses.front().triangle, use.triangle);
   });
   const std::vector<std::uint32_t> sheet = UnionFind(bodies).all();
-  forEachEdgeOfGroups(halves, [&](std::span<const Half> uses) {
+  forEachEdgeOfGroups(halves, [&](std::span<const FaceSide> uses) {
     if (!isOfSheets(uses)) return;
     std::vector<Spoke> spokes = spokesOf(mesh, uses);
     sortAround(spokes);

@@ -15,7 +15,7 @@
 namespace sherd {
 namespace {
 
-constexpr int kSamples = 1000;
+constexpr int kFaceSamples = 1000;
 
 // The normal of a triangle with a height below this share of its longest edge is rounding error.
 constexpr double kLeastHeight = 1e-3;
@@ -49,14 +49,14 @@ double flatShare(const TriangleTree& tree, double reach) {
   const SurfaceByArea surface(SurfaceParts{
       {areas}, [&](std::size_t, std::size_t t) { return SurfaceTriangle{tree.corners(t)}; }});
   int flat = 0;
-  for (std::uint64_t i = 0; i < kSamples; ++i) {
+  for (std::uint64_t i = 0; i < kFaceSamples; ++i) {
     const SurfaceTriangle triangle =
-        surface.at(surface.triangleAt((static_cast<double>(i) + 0.5) / kSamples));
+        surface.at(surface.triangleAt((static_cast<double>(i) + 0.5) / kFaceSamples));
     const glm::dvec3 point = triangle.pointIn(randomUnit(0, Stage::flatPoint, 2 * i),
                                               randomUnit(0, Stage::flatPoint, 2 * i + 1));
     if (isFlatAround(tree, point, triangle.normal(), reach)) ++flat;
   }
-  return static_cast<double>(flat) / kSamples;
+  return static_cast<double>(flat) / kFaceSamples;
 }
 
 }  // namespace sherd

@@ -20,14 +20,14 @@ namespace {
 constexpr double kSteps = 256.0;           // of a line, along the longest side
 constexpr std::size_t kMostSteps = 65536;  // of one line
 constexpr int kWindow = 5;                 // steps to each side over which normals are averaged
-constexpr double kMargin = 0.02;           // of the longest side, above and below the wall
+constexpr double kCurtainMargin = 0.02;    // of the longest side, above and below the wall
 constexpr double kFarthest = 0.1;          // of the longest side, from a line to the surface
 constexpr double kSmoothCosine = 0.766;    // of 40 degrees
 constexpr double kWithin = 0.1;            // of a wall: a line nearer to a surface lies on it
 constexpr double kClosed = 1e-6;           // of the longest side, between the ends of a closed line
 constexpr double kFocal = 0.9;             // of the way to where normals meet
 
-using Point = DrawnSurface::Point;
+using DrawnPoint = DrawnSurface::Point;
 
 // Returns points of the line no more than a step apart, without the last of a closed line.
 std::vector<glm::dvec3> resampled(std::span<const glm::dvec3> line, double step, bool isClosed) {
@@ -51,20 +51,23 @@ std::vector<glm::dvec3> resampled(std::span<const glm::dvec3> line, double step,
 
 // A line on the surface.
 struct Track {
-  std::vector<Point> points;
+  std::vector<DrawnPoint> points;
   bool isClosed = false;
 
   [[nodiscard]] std::size_t segments() const { return points.size() - (isClosed ? 0 : 1); }
-  [[nodiscard]] const Point& after(std::size_t i) const { return points[(i + 1) % points.size()]; }
+  [[nodiscard]] const DrawnPoint& after(std::size_t i) const {
+    return points[(i + 1) % points.size()];
+  }
 };
 
 // Returns the closest point of the surface.  A line that runs within a thin wall stays on the side
 // of the wall where it began, although the other one may be closer.
 //   before  the point before on the track, or null
-Point closestBeside(const glm::dvec3& at, const Point* before, const DrawnSurface& surface) {
-  const Point own = surface.closest(at);
+DrawnPoint closestBeside(const glm::dvec3& at, const DrawnPoint* before,
+                         const DrawnSurface& surface) {
+  const DrawnPoint own = surface.closest(at);
   if (before == nullptr || glm::dot(own.normal, before->normal) >= 0.0) return own;
-  const Point behind = surface.closest(own.position - surface.depthBelow(own) * own.normal);
+  const DrawnPoint behind = surface.closest(own.position - surface.depthBelow(own) * own.normal);
   const bool isWithin =
       glm::distance(at, own.position) > kWithin * glm::distance(own.position, behind.position);
   return isWithin && glm::dot(behind.normal, before->normal) > 0.0 ? behind : own;
@@ -77,8 +80,8 @@ Track trackOf(std::span<const glm::dvec3> line, const DrawnSurface& surface) {
   double nearest = kInfinity;
   const double least = 1e-9 * surface.longest();
   for (const glm::dvec3& at : resampled(line, surface.longest() / kSteps, track.isClosed)) {
-    const Point* const before = track.points.empty() ? nullptr : &track.points.back();
-    const Point on = closestBeside(at, before, surface);
+    const DrawnPoint* const before = track.points.empty() ? nullptr : &track.points.back();
+    const DrawnPoint on = closestBeside(at, before, surface);
     nearest = std::min(nearest, glm::distance(at, on.position));
     const bool isNew =
         track.points.empty() || glm::distance(track.points.back().position, on.position) > least;
@@ -119,7 +122,7 @@ void smoothNormals(Track& track) {
 
 // Returns a point beyond an end of the line, straight on.
 //   end, inner  the end, and a point some steps before it
-Point beyond(const Point& end, const Point& inner, double reach) {
+DrawnPoint beyond(const DrawnPoint& end, const DrawnPoint& inner, double reach) {
   glm::dvec3 along = end.position - inner.position;
   along = unitOrZero(along - glm::dot(along, end.normal) * end.normal);
   return {end.position + reach * along, end.normal};
@@ -127,10 +130,10 @@ Point beyond(const Point& end, const Point& inner, double reach) {
 
 void extendEnds(Track& track, double reach) {
   if (track.isClosed) return;
-  std::vector<Point>& points = track.points;
+  std::vector<DrawnPoint>& points = track.points;
   const std::size_t back = std::min<std::size_t>(kWindow, points.size() - 1);
-  const Point first = beyond(points.front(), points[back], reach);
-  const Point last = beyond(points.back(), points[points.size() - 1 - back], reach);
+  const DrawnPoint first = beyond(points.front(), points[back], reach);
+  const DrawnPoint last = beyond(points.back(), points[points.size() - 1 - back], reach);
   points.insert(points.begin(), first);
   points.push_back(last);
 }
@@ -142,13 +145,13 @@ struct Reach {
 
 // Normals that approach each other are followed less far than to where they meet.
 std::vector<Reach> reachesOf(const Track& track, const DrawnSurface& surface) {
-  const double margin = kMargin * surface.longest();
+  const double margin = kCurtainMargin * surface.longest();
   std::vector<Reach> reaches;
-  for (const Point& point : track.points) {
+  for (const DrawnPoint& point : track.points) {
     reaches.push_back({margin, surface.depthBelow(point) + margin});
   }
   for (std::size_t i = 0; i < track.segments(); ++i) {
-    const Point &a = track.points[i], &b = track.after(i);
+    const DrawnPoint &a = track.points[i], &b = track.after(i);
     const glm::dvec3 step = b.position - a.position;
     const double growth = glm::dot(b.normal - a.normal, step) / glm::dot(step, step);
     if (growth == 0.0) continue;
@@ -207,7 +210,7 @@ DrawnSurface::Point DrawnSurface::closest(const glm::dvec3& point) const {
   return {on, unit == glm::dvec3(0.0) ? cornersOf(mesh_, mesh_.triangles[triangle]).normal : unit};
 }
 
-double DrawnSurface::depthBelow(const Point& point) const {
+double DrawnSurface::depthBelow(const DrawnPoint& point) const {
   const double below = tree_.firstHit(point.position, -point.normal, 1e-6 * longest_);
   return below < longest_ ? below : longest_;
 }
@@ -223,7 +226,7 @@ TriangleMesh curtainOf(std::span<const glm::dvec3> line, const DrawnSurface& sur
   }
   TriangleMesh strip;
   for (std::size_t i = 0; i < track.points.size(); ++i) {
-    const Point& at = track.points[i];
+    const DrawnPoint& at = track.points[i];
     strip.vertices.push_back(at.position + reaches[i].above * at.normal);
     strip.vertices.push_back(at.position);
     strip.vertices.push_back(at.position - reaches[i].below * at.normal);

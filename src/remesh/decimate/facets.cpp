@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kNone = Facets::kNone;
 
 // The least cosine between a face's normal and its facet's.
-constexpr double kLeastCosine = 0.5;
+constexpr double kLeastFacetCosine = 0.5;
 
 // Facets of fewer faces are absorbed by larger ones beside them, at an angle below 90 degrees:
 // single faces along the lines between facets.
@@ -86,7 +86,7 @@ class FacetGrowing {
       for (const std::uint32_t edge : edges_.of(faces[i])) {
         const std::uint32_t other = across(edge, faces[i]);
         if (other == kNone || facets_.ofFace[other] != kNone || staysFace(other)) continue;
-        if (!fits(other, current, kLeastCosine, kindOf(seed).tolerance)) continue;
+        if (!fits(other, current, kLeastFacetCosine, kindOf(seed).tolerance)) continue;
         facets_.ofFace[other] = facet;
         faces.push_back(other);
         add(other);

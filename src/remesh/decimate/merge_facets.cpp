@@ -22,7 +22,7 @@
 namespace sherd {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kUnset = 0xffffffffu;
 
 // How far vertices may move onto the planes around them.
 constexpr double kMostSnap = 10.0;
@@ -33,7 +33,7 @@ constexpr int kMostSplits = 8;
 // Near polygons that cross each other the faces stay: within this many tolerances, then within
 // twice that, and so on; after so many rounds all of them.
 constexpr double kFirstRadius = 5.0;
-constexpr int kMostRounds = 8;
+constexpr int kMostMerges = 8;
 
 // From this round on faults of the cracks themselves are left alone.
 constexpr int kOwnFaults = 2;
@@ -65,13 +65,13 @@ class FacetMerging {
       throwIfCancelled(progress);
       makeAllPolygons(progress);
       Assembled all = assembled();
-      if (round == kMostRounds) return std::move(all.merged);
+      if (round == kMostMerges) return std::move(all.merged);
       std::vector<ComplexFault> faults =
           faultsOf(all.merged.complex, {.of = all.isTested, .source = all.source}, progress);
       if (round >= kOwnFaults) eraseOwn(faults, all.facet);
       if (faults.empty()) return std::move(all.merged);
       testNext(faults, all.facet);
-      if (round + 1 == kMostRounds) {
+      if (round + 1 == kMostMerges) {
         keepFaces([](std::size_t) { return true; });
       } else if (faults.size() > mostFaults_) {
         keepFaces([&](std::size_t f) { return complex_.faces[f].back != 0; });
@@ -98,7 +98,7 @@ class FacetMerging {
   void eraseOwn(std::vector<ComplexFault>& faults, std::span<const std::uint32_t> facet) const {
     if (complex_.labels > 0) return;
     std::erase_if(faults, [&](const ComplexFault& fault) {
-      return facet[fault.faces[0]] == kNone && facet[fault.faces[1]] == kNone;
+      return facet[fault.faces[0]] == kUnset && facet[fault.faces[1]] == kUnset;
     });
   }
 
@@ -201,7 +201,7 @@ class FacetMerging {
 
   struct Assembled {
     MergedFacets merged;
-    std::vector<std::uint32_t> facet;    // [faces] kNone: a face of before
+    std::vector<std::uint32_t> facet;    // [faces] kUnset: a face of before
     std::vector<std::uint8_t> isTested;  // [faces] 0 or 1: for crossings with all others
     std::vector<std::uint32_t> source;   // [faces] those of one need not be compared
   };
@@ -212,13 +212,13 @@ class FacetMerging {
     Assembled all;
     LabeledComplex& out = all.merged.complex;
     out.labels = complex_.labels;
-    std::vector<std::uint32_t> number(complex_.vertices.size(), kNone);
+    std::vector<std::uint32_t> number(complex_.vertices.size(), kUnset);
     const auto add = [&](const glm::uvec3& corner, std::uint32_t f, std::uint32_t facet,
                          bool isTested, std::uint32_t source) {
       ComplexFace face = complex_.faces[f];  // at fixed vertices it has its corners, in their order
       for (int k = 0; k < 3; ++k) {
         std::uint32_t& n = number[corner[k]];
-        if (n == kNone) {
+        if (n == kUnset) {
           n = static_cast<std::uint32_t>(out.vertices.size());
           out.vertices.push_back(positions_[corner[k]]);
           all.merged.vertex.push_back(corner[k]);
@@ -236,7 +236,7 @@ class FacetMerging {
     for (std::uint32_t f = 0; f < complex_.faces.size(); ++f) {
       const std::uint32_t facet = facets_.ofFace[f];
       if (facet == Facets::kNone) {
-        add(complex_.faces[f].corner, f, kNone, isRestored_[f], facets);
+        add(complex_.faces[f].corner, f, kUnset, isRestored_[f], facets);
       } else if (!polygons_[facet].isMade) {
         add(complex_.faces[f].corner, f, facet, true, facets + 1 + f);
       } else if (!isDone[facet]) {
@@ -255,7 +255,7 @@ class FacetMerging {
     isRestored_.assign(complex_.faces.size(), false);
     for (const ComplexFault& fault : faults) {
       for (const std::uint32_t f : fault.faces) {
-        if (facet[f] != kNone) isTested_[facet[f]] = 1;
+        if (facet[f] != kUnset) isTested_[facet[f]] = 1;
       }
     }
   }

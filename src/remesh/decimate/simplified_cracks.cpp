@@ -18,14 +18,14 @@ namespace sherd {
 namespace {
 
 // Index space, rounded so that what is decided by positions does not depend on the frame.
-std::vector<glm::dvec3> inVoxels(std::vector<glm::dvec3> world, const GridFrame& frame) {
+std::vector<glm::dvec3> gridInVoxels(std::vector<glm::dvec3> world, const GridFrame& frame) {
   constexpr double kGrid = 0x1p-24;
   for (glm::dvec3& v : world) v = kGrid * glm::round(frame.indexFromWorld(v) / kGrid);
   return world;
 }
 
 // The least height of a face that collapses change, voxels, unless it had less before.
-constexpr double kLeastHeight = 0.02;
+constexpr double kLeastCrackHeight = 0.02;
 
 }  // namespace
 
@@ -43,12 +43,12 @@ LabeledComplex simplifiedCracks(const LabeledComplex& cracks, const TriangleMesh
                               .complex;
   if (options.adaptivity == 0.0) return merged;
   static_assert(kAutoAdaptivity < kPlanarCrackTolerance);
-  const CrackOverhang overhang({inVoxels(mesh.vertices, frame), mesh.triangles});
-  merged.vertices = inVoxels(std::move(merged.vertices), frame);
+  const CrackOverhang overhang({gridInVoxels(mesh.vertices, frame), mesh.triangles});
+  merged.vertices = gridInVoxels(std::move(merged.vertices), frame);
   LabeledComplex simple =
       collapsed(merged,
                 {.error = std::max(options.adaptivity, kPlanarCrackTolerance),
-                 .leastHeight = kLeastHeight,
+                 .leastHeight = kLeastCrackHeight,
                  .mayMove = [&](const auto& from, const auto& to,
                                 const auto& end) { return overhang.mayMove(from, to, end); }},
                 progress);

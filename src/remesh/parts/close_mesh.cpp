@@ -94,7 +94,7 @@ bool isCrossed(const TriangleMesh& mesh, std::size_t firstClosing, const Progres
 }
 
 // The mesh of some triangles, with their vertices alone.
-TriangleMesh meshOf(std::span<const glm::dvec3> vertices, std::vector<glm::uvec3> triangles) {
+TriangleMesh meshOfPart(std::span<const glm::dvec3> vertices, std::vector<glm::uvec3> triangles) {
   TriangleMesh mesh;
   std::map<std::uint32_t, std::uint32_t> numbers;
   for (glm::uvec3& t : triangles) {
@@ -110,7 +110,7 @@ TriangleMesh meshOf(std::span<const glm::dvec3> vertices, std::vector<glm::uvec3
 }
 
 // Returns [triangles] the name of each one's part: those connected over edges of two triangles.
-std::vector<std::uint32_t> partsOf(const TriangleMesh& mesh) {
+std::vector<std::uint32_t> partNumbers(const TriangleMesh& mesh) {
   std::vector<std::array<std::uint32_t, 3>> uses;  // ends of an edge, triangle
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
@@ -152,7 +152,7 @@ SolidMesh withHolesFilled(const SolidMesh& open, const Progress* progress) {
 }
 
 SolidMesh withoutSmallClosed(const SolidMesh& closed, double least) {
-  const std::vector<std::uint32_t> partOf = partsOf(closed.mesh);
+  const std::vector<std::uint32_t> partOf = partNumbers(closed.mesh);
   std::map<std::uint32_t, std::vector<glm::uvec3>> parts;  // those with faces that close holes
   for (std::size_t t = 0; t < partOf.size(); ++t) {
     if (closed.source[t] == TriangleMesh::kNoSource) parts[partOf[t]];
@@ -162,7 +162,7 @@ SolidMesh withoutSmallClosed(const SolidMesh& closed, double least) {
     if (part != parts.end()) part->second.push_back(closed.mesh.triangles[t]);
   }
   std::erase_if(parts, [&](const auto& part) {
-    const TriangleMesh own = meshOf(closed.mesh.vertices, part.second);
+    const TriangleMesh own = meshOfPart(closed.mesh.vertices, part.second);
     return openEdges(own) > 0 || std::abs(volume(own)) >= least;
   });
   SolidMesh out;

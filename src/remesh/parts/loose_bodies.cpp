@@ -109,7 +109,7 @@ void keep(LabeledMesh& mesh, const std::vector<bool>& isKept) {
 }
 
 // Returns the triangles of a part, with all vertices.
-TriangleMesh meshOf(const TriangleMesh& mesh, const Parts& parts, std::uint32_t name) {
+TriangleMesh partMesh(const TriangleMesh& mesh, const Parts& parts, std::uint32_t name) {
   TriangleMesh out;
   out.vertices = mesh.vertices;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -129,7 +129,7 @@ std::size_t removeLoose(LabeledMesh& mesh, std::uint16_t id, double least,
     if (part.hasCracks || !(part.volume > 0.0) || part.volume >= largest) continue;
     const bool isLoose =
         part.volume < least || (part.volume < kMostLoose * least &&
-                                !hasVoxels(meshOf(mesh.mesh, parts, name), part.box, id));
+                                !hasVoxels(partMesh(mesh.mesh, parts, name), part.box, id));
     if (!isLoose) continue;
     isRemoved[name] = true;
     removed.push_back(part.box);

@@ -41,19 +41,19 @@ constexpr int kMostRounds = 3;
 // Of so many places at most: each takes up to some dozen tests of the faces near all.
 constexpr std::size_t kMostPlaces = 64;
 
-using Point = std::array<double, 3>;
+using Position = std::array<double, 3>;
 
 // An edge by the positions of its ends, the lower first, and its fragment.
 struct TouchingEdge {
   std::uint32_t fragment = 0;
-  std::array<Point, 2> ends{};
+  std::array<Position, 2> ends{};
 
-  TouchingEdge(std::uint32_t of, const Point& a, const Point& b)
+  TouchingEdge(std::uint32_t of, const Position& a, const Position& b)
       : fragment(of), ends{std::min(a, b), std::max(a, b)} {}
   auto operator<=>(const TouchingEdge&) const = default;
 };
 
-Point pointOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+Position pointOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 // The mesh whose vertices are those that are first at their positions.
 TriangleMesh merged(const TriangleMesh& mesh) {
@@ -84,7 +84,7 @@ class Touching {
  public:
   Touching(std::vector<LabeledMesh>& meshes, const std::set<TouchingEdge>& edges)
       : meshes_(meshes) {
-    std::set<Point> positions;
+    std::set<Position> positions;
     for (const TouchingEdge& edge : edges) positions.insert(edge.ends.begin(), edge.ends.end());
     for (std::uint32_t f = 0; f < meshes.size(); ++f) addNodes(f, positions);
     connect(edges);
@@ -93,7 +93,7 @@ class Touching {
   // Moves all sheets but one at each place.
   void part(double distance) {
     distance_ = distance;
-    std::map<Point, std::vector<std::uint32_t>> sheets;  // names of sheets, by position
+    std::map<Position, std::vector<std::uint32_t>> sheets;  // names of sheets, by position
     for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
       std::vector<std::uint32_t>& own = sheets[pointOf(nodes_[n].at)];
       if (const std::uint32_t name = sheetOf_[n]; std::ranges::find(own, name) == own.end()) {
@@ -163,7 +163,7 @@ class Touching {
     glm::dvec3 at{0.0};  // before it moves
   };
 
-  void addNodes(std::uint32_t f, const std::set<Point>& positions) {
+  void addNodes(std::uint32_t f, const std::set<Position>& positions) {
     const std::vector<glm::dvec3>& vertices = meshes_[f].mesh.vertices;
     for (std::uint32_t v = 0; v < vertices.size(); ++v) {
       if (!positions.contains(pointOf(vertices[v]))) continue;
@@ -275,7 +275,7 @@ class Touching {
   void connect(const std::set<TouchingEdge>& edges) {
     UnionFind sheets(nodes_.size());
     // A face by its positions: a corner's node of the side that has it first.
-    std::map<std::array<Point, 3>, std::array<std::uint32_t, 3>> faces;
+    std::map<std::array<Position, 3>, std::array<std::uint32_t, 3>> faces;
     constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
     corners_.assign(nodes_.size(), 0);
     inwards_.assign(nodes_.size(), glm::dvec3(0.0));
@@ -287,7 +287,7 @@ class Touching {
     for (std::uint32_t f = 0; f < meshes_.size(); ++f) {
       const LabeledMesh& own = meshes_[f];
       for (std::size_t t = 0; t < own.mesh.triangles.size(); ++t) {
-        std::array<std::pair<Point, std::uint32_t>, 3> corners;
+        std::array<std::pair<Position, std::uint32_t>, 3> corners;
         bool isAny = false;
         for (int k = 0; k < 3; ++k) {
           const std::uint32_t v = own.mesh.triangles[t][k];
@@ -307,7 +307,7 @@ class Touching {
         }
         if (own.other[t] == 0) continue;
         std::sort(corners.begin(), corners.end());
-        const std::array<Point, 3> key{corners[0].first, corners[1].first, corners[2].first};
+        const std::array<Position, 3> key{corners[0].first, corners[1].first, corners[2].first};
         const std::array<std::uint32_t, 3> nodes{corners[0].second, corners[1].second,
                                                  corners[2].second};
         const auto [other, isNew] = faces.try_emplace(key, nodes);
@@ -398,7 +398,7 @@ class Touching {
   std::set<std::pair<std::uint32_t, std::uint32_t>> moved_;
 };
 
-double longestSide(const std::vector<LabeledMesh>& meshes) {
+double longestSideOf(const std::vector<LabeledMesh>& meshes) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const LabeledMesh& mesh : meshes) {
     for (const glm::dvec3& v : mesh.mesh.vertices) {
@@ -427,7 +427,7 @@ std::string partSheets(std::vector<LabeledMesh>& meshes, const Progress* progres
     });
   }
   if (edges.empty()) return {};
-  const double distance = kPartedSheets * longestSide(meshes);
+  const double distance = kPartedSheets * longestSideOf(meshes);
   Touching touching(meshes, edges);
   touching.part(distance);
   bool isCrossed = touching.isCrossed(progress);

@@ -11,7 +11,7 @@ namespace {
 
 // What is left of the move of a vertex whose triangles cross others, and how often.
 constexpr double kLess = 1.0 / 8.0;
-constexpr int kRounds = 2;
+constexpr int kJitterRounds = 2;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void jitterCracks(TriangleMesh& mesh, const GridFrame& frame, const FragmentKey&
   for (std::size_t v = 0; v < reach.size(); ++v) {
     if (reach[v] > 0.0) move(v);
   }
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kJitterRounds; ++round) {
     const auto pairs = selfCrossings(mesh.vertices, mesh.triangles);
     if (pairs.empty()) break;
     std::vector<bool> isCrossed(reach.size(), false);

@@ -16,7 +16,7 @@ namespace {
 
 // Logarithms and powers differ in their last bits between versions of the C library: 32 bits are
 // kept.
-double rounded(double x) {
+double roundedSize(double x) {
   int exponent = 0;
   const double mantissa = std::frexp(x, &exponent);
   return std::ldexp(std::floor(std::ldexp(mantissa, 32) + 0.5), exponent - 32);
@@ -85,8 +85,8 @@ std::vector<double> drawnShares(Sizes sizes, double parameter, std::size_t piece
   check(sizes, parameter, pieces, leastShare);
   const auto draw = [&](std::size_t piece, std::uint64_t round) {
     const std::uint64_t item = 2 * drawItem(piece, round);
-    return rounded(sizeOf(sizes, parameter, randomUnit(seed, Stage::pieceSize, item),
-                          randomUnit(seed, Stage::pieceSize, item + 1)));
+    return roundedSize(sizeOf(sizes, parameter, randomUnit(seed, Stage::pieceSize, item),
+                              randomUnit(seed, Stage::pieceSize, item + 1)));
   };
   std::vector<double> drawn(pieces);
   for (std::size_t i = 0; i < pieces; ++i) drawn[i] = draw(i, 0);

@@ -27,7 +27,7 @@ using openvdb::Coord;
 // Of a component's triangles, about so many are looked up among the voxels.
 constexpr std::size_t kMostSamples = 4096;
 
-std::size_t layerOf(const SolidMesh& mesh, std::size_t t) {
+std::size_t layerOfTriangle(const SolidMesh& mesh, std::size_t t) {
   return mesh.layer.empty() ? 0 : mesh.layer[t];
 }
 
@@ -137,7 +137,7 @@ class Clusters {
       const std::size_t step = own[c].size() / kMostSamples + 1;
       for (std::size_t i = 0; i < own[c].size(); i += step) {
         const std::uint32_t t = own[c][i];
-        const std::uint16_t label = labelNear(indexOf(t), layerOf(mesh_, t), reader);
+        const std::uint16_t label = labelNear(indexOf(t), layerOfTriangle(mesh_, t), reader);
         if (label != 0) unite(c, label);
         isFound |= label != 0;
       }
@@ -184,7 +184,7 @@ class Clusters {
     TriangleMesh own{mesh_.mesh.vertices, {}};
     std::vector<std::uint32_t> triangle;
     for (std::uint32_t t = 0; t < mesh_.mesh.triangles.size(); ++t) {
-      if (layerOf(mesh_, t) != layer) continue;
+      if (layerOfTriangle(mesh_, t) != layer) continue;
       own.triangles.push_back(mesh_.mesh.triangles[t]);
       triangle.push_back(t);
     }

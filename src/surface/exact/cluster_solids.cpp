@@ -134,7 +134,7 @@ Labels ClusterSolids::labelsOf(std::size_t cluster, const std::vector<std::uint3
 
 ClusterSolid ClusterSolids::of(std::size_t cluster) const {
   const std::vector<std::uint32_t> leaves = leavesAround(cluster);
-  SolidMesh mesh = meshOf(*solid_.mesh, clusters_[cluster].triangles);
+  SolidMesh mesh = clusterMesh(*solid_.mesh, clusters_[cluster].triangles);
   const std::vector<std::uint16_t> layers = renumberLayers(mesh);
   LeafBlocks blocks = blocksOf(cluster, leaves);
   for (std::size_t i = 1; i < layers.size(); ++i) {

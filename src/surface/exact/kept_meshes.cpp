@@ -72,8 +72,8 @@ void findVoxels(const LeafBlocks& blocks, const Labels& labels, KeptBodies& bodi
 
 // Returns the bodies of a layer that have voxels, with the vertices that they use, each position
 // once.
-std::shared_ptr<const SolidMesh> meshOf(const SolidMesh& mesh, std::size_t layer,
-                                        const KeptBodies& bodies) {
+std::shared_ptr<const SolidMesh> keptMesh(const SolidMesh& mesh, std::size_t layer,
+                                          const KeptBodies& bodies) {
   std::vector<std::uint32_t> own, used;
   for (std::uint32_t t = 0; t < mesh.body.size(); ++t) {
     if (mesh.layer[t] != layer || !bodies.hasVoxels[mesh.body[t]]) continue;
@@ -97,7 +97,7 @@ std::shared_ptr<const SolidMesh> meshOf(const SolidMesh& mesh, std::size_t layer
 }
 
 // Returns the solid and labels of one layer, of the leaves near its voxels.
-ClosedSolid layerOf(const Solid& solid, const Labels& labels, std::size_t layer) {
+ClosedSolid closedLayer(const Solid& solid, const Labels& labels, std::size_t layer) {
   ClosedSolid out{solidOfLayer(solid, layer), {}};
   out.labels = labelsOfLayer(labels, out.solid);
   const LeafBlocks& all = *out.solid.blocks;
@@ -183,9 +183,9 @@ ExactSurface keptMeshes(const Solid& solid, const Labels& labels,
   SolidMesh whole;
   for (std::size_t layer = 0; layer <= solid.blocks->layers.size(); ++layer) {
     throwIfCancelled(progress);
-    const std::shared_ptr<const SolidMesh> own = meshOf(*solid.mesh, layer, bodies);
+    const std::shared_ptr<const SolidMesh> own = keptMesh(*solid.mesh, layer, bodies);
     if (own->mesh.triangles.empty()) continue;
-    ClosedSolid part = layerOf(solid, labels, layer);
+    ClosedSolid part = closedLayer(solid, labels, layer);
     part = closedSolid(part.solid, part.labels, own->mesh, progress, Extension::cells);
     part.solid.mesh = own;
     ExactSurface surface = cut(part);

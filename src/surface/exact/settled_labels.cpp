@@ -23,7 +23,7 @@ namespace sherd {
 namespace {
 
 // How often the cut is made anew.
-constexpr int kMostRounds = 3;
+constexpr int kMostSettlings = 3;
 
 // How far labels of the exterior band are from the voxels that they come from.
 constexpr int kBandReach = 6;
@@ -242,7 +242,7 @@ ExactSurface settledExactMeshes(const Solid& solid, Labels& labels, const Labels
   for (int round = 0;; ++round) {
     ExactSurface surface =
         exactMeshes(solid, labels, uneroded, neighborhoods, adaptivity, progress);
-    const bool isFinal = !surface.failure.empty() || uneroded != nullptr || round == kMostRounds;
+    const bool isFinal = !surface.failure.empty() || uneroded != nullptr || round == kMostSettlings;
     if (isFinal || !follow(solid, labels, least, surface.moved, progress)) return surface;
   }
 }

@@ -21,7 +21,7 @@ namespace {
 using Corners = std::array<glm::dvec3, 3>;
 
 // Offset in voxels at which the two sides of a surface are sampled.
-constexpr double kOffset = 1e-3;
+constexpr double kStepBack = 1e-3;
 
 // Lengths of longest edges, in voxels.  A triangle that others cross is subdivided above kLargest,
 // sampled at four points down to kSmall, and at its center below.  The parts of a subdivided
@@ -35,7 +35,7 @@ enum class Verdict { no, yes, mixed };
 // Whether another triangle comes so near to the interior of a triangle that it may separate exposed
 // from hidden parts of it.
 bool crosses(const Corners& other, const Corners& t, const glm::dvec3& normal) {
-  constexpr double kNear = 2.0 * kOffset, kMargin = 0.01;  // voxels
+  constexpr double kNear = 2.0 * kStepBack, kMargin = 0.01;  // voxels
   // The part of the other triangle within kNear of this triangle's plane.
   std::array<glm::dvec3, 8> section;
   std::size_t count = 0;
@@ -166,7 +166,7 @@ class ExposedParts {
 
   template <class... Around>
   bool isExposed(const glm::dvec3& point, const Around&... around) const {
-    const glm::dvec3 behind = point - kOffset * normal_, before = point + kOffset * normal_;
+    const glm::dvec3 behind = point - kStepBack * normal_, before = point + kStepBack * normal_;
     const double first = winding_.near(behind, around...);
     const int entries = winding_.tree().entries(behind, before, around...);
     if (separates(first, first + entries)) return true;

@@ -17,7 +17,7 @@ namespace sherd {
 namespace {
 
 // How far a point lies beyond the plane half way from `own` to `other`.
-double beyond(const glm::dvec3& p, const glm::dvec3& own, const glm::dvec3& other) {
+double beyondSite(const glm::dvec3& p, const glm::dvec3& own, const glm::dvec3& other) {
   return glm::dot(p - 0.5 * (own + other), glm::normalize(other - own));
 }
 
@@ -64,13 +64,13 @@ TEST(SiteCut, GoesByTheNearestPlaneAndNotByTheNearestSite) {
         for (std::size_t k = 0; k < sites.size(); ++k) {
           double most = -3.0;
           for (std::size_t other = 0; other < sites.size(); ++other) {
-            if (other != k) most = std::max(most, beyond(p, sites[k], sites[other]));
+            if (other != k) most = std::max(most, beyondSite(p, sites[k], sites[other]));
           }
           EXPECT_NEAR(cut.distance[k * 512 + v], std::min(most, 3.0), 1e-6)
               << x << ' ' << y << ' ' << z;
         }
-        notByTheNextSite += beyond(p, sites[0], sites[2]) < 0.0 &&
-                            beyond(p, sites[0], sites[2]) > beyond(p, sites[0], sites[1]);
+        notByTheNextSite += beyondSite(p, sites[0], sites[2]) < 0.0 &&
+                            beyondSite(p, sites[0], sites[2]) > beyondSite(p, sites[0], sites[1]);
       }
     }
   }
@@ -253,8 +253,8 @@ TEST(SiteCut, ADistanceOfManySmallCellsTakesFewPlanes) {
         double most = -3.0;
         for (std::size_t other = 0; other < fragments.size(); ++other) {
           if (other == k) continue;
-          most =
-              std::max(most, beyond(p, at(voronoi.seeds[k].voxel), at(voronoi.seeds[other].voxel)));
+          most = std::max(
+              most, beyondSite(p, at(voronoi.seeds[k].voxel), at(voronoi.seeds[other].voxel)));
         }
         ASSERT_NEAR(cut.distance[k * 512 + v], std::min(most, 3.0), 1e-6) << k << ' ' << v;
       }
@@ -289,7 +289,8 @@ TEST(SiteCut, ADistanceIsTheGreatestOfAllPlanesWhereManyAreEquallyNear) {
           const glm::dvec3 own = at(voronoi.seeds[k].voxel),
                            theirs = at(voronoi.seeds[other].voxel);
           if (other == k) continue;
-          most = std::max(most, own == theirs ? 0.0 : beyond(at(coordFromOffset(v)), own, theirs));
+          most =
+              std::max(most, own == theirs ? 0.0 : beyondSite(at(coordFromOffset(v)), own, theirs));
         }
         ASSERT_NEAR(cut.distance[k * 512 + v], std::min(most, 3.0), 1e-6) << draw << ' ' << k;
       }

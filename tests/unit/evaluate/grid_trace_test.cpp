@@ -17,7 +17,7 @@
 namespace sherd {
 namespace {
 
-constexpr unsigned kSide = 26;  // vertices along a crack
+constexpr unsigned kGridSide = 26;  // vertices along a crack
 constexpr double kPitch = 0.37;
 
 // Cracks, each a fragment of its own, with vertices at corners of a grid, moved by up to a share of
@@ -28,19 +28,19 @@ std::vector<TriangleMesh> cracksOnAGrid(std::size_t count, double moved) {
   std::vector<TriangleMesh> cracks(count);
   for (std::size_t k = 0; k < count; ++k) {
     TriangleMesh& mesh = cracks[k];
-    for (unsigned y = 0; y < kSide; ++y) {
-      for (unsigned x = 0; x < kSide; ++x) {
+    for (unsigned y = 0; y < kGridSide; ++y) {
+      for (unsigned x = 0; x < kGridSide; ++x) {
         const glm::dvec3 corner(x, y,
                                 static_cast<double>(random() % 4) + 100.0 * static_cast<double>(k));
         const glm::dvec3 apart(shift(random), shift(random), shift(random));
         mesh.vertices.push_back(kPitch * (corner + apart));
       }
     }
-    for (unsigned y = 0; y + 1 < kSide; ++y) {
-      for (unsigned x = 0; x + 1 < kSide; ++x) {
-        const unsigned i = y * kSide + x;
-        mesh.triangles.emplace_back(i, i + 1, i + kSide + 1);
-        mesh.triangles.emplace_back(i, i + kSide + 1, i + kSide);
+    for (unsigned y = 0; y + 1 < kGridSide; ++y) {
+      for (unsigned x = 0; x + 1 < kGridSide; ++x) {
+        const unsigned i = y * kGridSide + x;
+        mesh.triangles.emplace_back(i, i + 1, i + kGridSide + 1);
+        mesh.triangles.emplace_back(i, i + kGridSide + 1, i + kGridSide);
       }
     }
     mesh.neighbor.assign(mesh.triangles.size(), static_cast<std::uint16_t>(k == 0 ? 2 : 1));

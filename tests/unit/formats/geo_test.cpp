@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kMost = 65534;  // of the fragments of a fracture
+constexpr int kMostIds = 65534;  // of the fragments of a fracture
 
 // Keeps the last file, and the size of its largest chunk.
 class Kept : public FileSink {
@@ -79,27 +79,27 @@ std::vector<GeoPiece> piecesOf(const std::vector<Fragment>& fragments, const std
 }
 
 TEST(Geo, HasAsManyPiecesAsAFracture) {
-  const std::vector<Fragment> fragments = chain(kMost);
+  const std::vector<Fragment> fragments = chain(kMostIds);
   const MaterialTable table = materialTable({});
   Kept kept;
   writeGeo(OutputFile(kept, "pieces.geo"), piecesOf(fragments, "a", table));
   const Json file = kept.json();
-  EXPECT_EQ(Kept::at(file, "pointcount"), 4 * kMost);
-  EXPECT_EQ(Kept::at(file, "primitivecount"), 4 * kMost);
+  EXPECT_EQ(Kept::at(file, "pointcount"), 4 * kMostIds);
+  EXPECT_EQ(Kept::at(file, "primitivecount"), 4 * kMostIds);
   const Json name = Kept::at(Kept::at(file, "attributes"), "primitiveattributes")[0][1];
   EXPECT_EQ(Kept::at(name, "strings").back(), "piece65534");
   const Json corners = Kept::at(Kept::at(Kept::at(file, "topology"), "pointref"), "indices");
-  EXPECT_EQ(corners.back(), 4 * kMost - 4);  // {2, 0, 3} is written as 2, 3, 0
+  EXPECT_EQ(corners.back(), 4 * kMostIds - 4);  // {2, 0, 3} is written as 2, 3, 0
   EXPECT_LT(kept.largest(), (1u << 16) + 1000) << "a chunk";
 
   writeConstraints(OutputFile(kept, "graph.geo"), fragments, 3.0);
   const Json graph = kept.json();
-  EXPECT_EQ(Kept::at(graph, "pointcount"), kMost);
-  EXPECT_EQ(Kept::at(graph, "primitivecount"), kMost - 1);
+  EXPECT_EQ(Kept::at(graph, "pointcount"), kMostIds);
+  EXPECT_EQ(Kept::at(graph, "primitivecount"), kMostIds - 1);
   const Json strength = Kept::at(Kept::at(graph, "attributes"), "primitiveattributes")[4];
   EXPECT_EQ(Kept::at(strength[0], "name"), "strength");
   const Json values = Kept::at(Kept::at(strength[1], "values"), "arrays")[0];
-  for (const int i : {0, 1, kMost - 2}) {
+  for (const int i : {0, 1, kMostIds - 2}) {
     EXPECT_EQ(values[static_cast<std::size_t>(i)].get<float>(), static_cast<float>(1.5 * (i + 1)));
   }
   EXPECT_LT(kept.largest(), (1u << 16) + 1000);

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kPng = "\x89PNG\r\n\x1a\n of no use";
+const std::string kPngImage = "\x89PNG\r\n\x1a\n of no use";
 
 class ReadAppearance : public TempFolder {
  protected:
@@ -142,7 +142,7 @@ TEST_F(ReadAppearance, PlyVerticesInAllEncodingsAndTypes) {
 
 // Two quads of a strip bent over an edge: MeshLab's texture coordinates of corners, with a seam.
 TEST_F(ReadAppearance, PlyCornersKeepTheirSeams) {
-  write("bark of oak.png", kPng);
+  write("bark of oak.png", kPngImage);
   const SourceMesh source = read(
       "strip.ply",
       "ply\nformat ascii 1.0\ncomment TextureFile bark of oak.png\ncomment TextureFile gone.png\n"
@@ -165,7 +165,7 @@ TEST_F(ReadAppearance, PlyCornersKeepTheirSeams) {
   EXPECT_EQ(source.appearance.materials[0].texture, 0);
   EXPECT_EQ(source.appearance.materials[1].texture, -1);
   ASSERT_EQ(source.appearance.textures.size(), 1u);
-  EXPECT_EQ(source.appearance.textures[0].bytes, kPng);
+  EXPECT_EQ(source.appearance.textures[0].bytes, kPngImage);
   ASSERT_EQ(source.warnings.size(), 1u);
   EXPECT_NE(source.warnings[0].find("gone.png"), std::string::npos);
 }
@@ -212,7 +212,7 @@ std::string objOf(const std::string& head, bool colors) {
 TEST_F(ReadAppearance, ObjHasColorsTexturesAndMaterials) {
   write("skin.mtl",
         "newmtl a\nKd 0.5 0.25 1\nmap_Kd -s 1 1 1 -clamp on my skin.png\nnewmtl b c\nKd what\n");
-  write("my skin.png", kPng);
+  write("my skin.png", kPngImage);
   const SourceMesh source = read("cube.obj", objOf("mtllib skin.mtl\n", true));
   EXPECT_EQ(openEdges(source.mesh), 0u);
   EXPECT_EQ(source.degenerateTriangles, 1u);
@@ -229,14 +229,14 @@ TEST_F(ReadAppearance, ObjHasColorsTexturesAndMaterials) {
   EXPECT_EQ(look.materials[1].color, glm::vec3(1.0f));
   EXPECT_EQ(look.materials[1].texture, -1);
   ASSERT_EQ(look.textures.size(), 1u);
-  EXPECT_EQ(look.textures[0].bytes, kPng);
+  EXPECT_EQ(look.textures[0].bytes, kPngImage);
 }
 
 TEST_F(ReadAppearance, TilingOfObjIsInTheCoordinates) {
   write("skin.mtl",
         "newmtl a\nmap_Kd -s 2 4 1 -o 0.5 -t 1 1 1 my skin.png\n"
         "newmtl b c\nmap_Kd -s 1e300 my skin.png\nKe 1e300 0 0\nmap_Ke -s 3 my skin.png\n");
-  write("my skin.png", kPng);
+  write("my skin.png", kPngImage);
   const SourceMesh source = read("cube.obj", objOf("mtllib skin.mtl\n", false));
   for (std::size_t t = 0; t < 12; ++t) {
     const bool isTiled = source.mesh.attributes.material[t] == 0;
@@ -325,7 +325,7 @@ TEST_F(ReadAppearance, ObjWithoutItsLibraryKeepsNames) {
 }
 
 TEST_F(ReadAppearance, FilesOutsideTheFolderAreNotRead) {
-  write("secret.png", kPng);
+  write("secret.png", kPngImage);
   write("secret.mtl", "newmtl a\nKd 0 0 0\n");
   const std::string outside = (folder_ / "secret.png").string();
   for (const std::string& name :
@@ -344,9 +344,9 @@ TEST_F(ReadAppearance, FilesOutsideTheFolderAreNotRead) {
 
 TEST_F(ReadAppearance, LinksAreFollowedWithinTheFolderOnly) {
   namespace fs = std::filesystem;
-  write("secret.png", kPng);
+  write("secret.png", kPngImage);
   write("secret.mtl", "newmtl a\nKd 0 0 0\n");
-  write("in/deep/own.png", kPng);
+  write("in/deep/own.png", kPngImage);
   write("in/own.mtl", "newmtl a\nKd 0 0 0\n");
   fs::create_symlink("../secret.png", folder_ / "in/out.png");
   fs::create_symlink(folder_ / "secret.png", folder_ / "in/absolute.png");
@@ -505,22 +505,22 @@ void expectGltfLook(const SourceMesh& source) {
 TEST_F(ReadAppearance, GlbWithAPictureInIt) {
   Gltf gltf = gltfOf({{"bufferView", 6}, {"mimeType", "image/png"}});
   gltf.json["bufferViews"].push_back(
-      {{"buffer", 0}, {"byteOffset", gltf.buffer.size()}, {"byteLength", kPng.size()}});
-  gltf.buffer += kPng;
+      {{"buffer", 0}, {"byteOffset", gltf.buffer.size()}, {"byteLength", kPngImage.size()}});
+  gltf.buffer += kPngImage;
   const SourceMesh source = read("cube.glb", glbOf(gltf));
   expectGltfLook(source);
   ASSERT_EQ(source.appearance.materials[0].texture, 0);
-  EXPECT_EQ(source.appearance.textures[0].bytes, kPng);
+  EXPECT_EQ(source.appearance.textures[0].bytes, kPngImage);
   EXPECT_TRUE(source.warnings.empty());
 }
 
 TEST_F(ReadAppearance, GltfWithAPictureBesideIt) {
-  write("pictures/my glaze.png", kPng);
+  write("pictures/my glaze.png", kPngImage);
   Gltf gltf = gltfOf({{"uri", "pictures/my%20glaze.png"}});
   SourceMesh source = read("cube.glb", glbOf(gltf));
   expectGltfLook(source);
   ASSERT_EQ(source.appearance.materials[0].texture, 0);
-  EXPECT_EQ(source.appearance.textures[0].bytes, kPng);
+  EXPECT_EQ(source.appearance.textures[0].bytes, kPngImage);
 
   gltf = gltfOf({{"uri", "../glaze.png"}});
   source = read("cube.glb", glbOf(gltf));

@@ -42,7 +42,7 @@ std::string gzipped(const std::string& bytes) {
   return out;
 }
 
-std::string glbOf(Json json, const std::string& buffer) {
+std::string glbBytes(Json json, const std::string& buffer) {
   json["asset"] = {{"version", "2.0"}};
   json["buffers"] = {{{"byteLength", buffer.size()}}};
   std::string text = json.dump();
@@ -81,7 +81,7 @@ std::string instances(std::size_t count) {
   json["nodes"] = {
       {{"mesh", 0},
        {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", 1}}}}}}}}};
-  return glbOf(json, triangleBytes() + std::string(3 * count, '\1'));
+  return glbBytes(json, triangleBytes() + std::string(3 * count, '\1'));
 }
 
 std::string sentence(const std::function<void()>& read) {
@@ -166,7 +166,7 @@ TEST_F(ReadMemory, ManyPrimitivesOfOneAccessorAreRefused) {
   for (int i = 1; i < 300; ++i) {
     json["meshes"][0]["primitives"].push_back(json["meshes"][0]["primitives"][0]);
   }
-  expectTooMuch("a.glb", glbOf(json, std::string(40'000, '\0')), 100 * kMega);
+  expectTooMuch("a.glb", glbBytes(json, std::string(40'000, '\0')), 100 * kMega);
 }
 
 TEST_F(ReadMemory, SparseAccessorsAndTexturesAreCharged) {
@@ -174,7 +174,7 @@ TEST_F(ReadMemory, SparseAccessorsAndTexturesAreCharged) {
   json["nodes"] = {{{"mesh", 0}}};
   json["accessors"].push_back({{"componentType", 5126}, {"count", 1'000'000}, {"type", "MAT4"}});
   json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 1;
-  expectTooMuch("a.glb", glbOf(json, triangleBytes() + std::string(kMega, '\0')), 100 * kMega);
+  expectTooMuch("a.glb", glbBytes(json, triangleBytes() + std::string(kMega, '\0')), 100 * kMega);
 
   // A hundred pictures of one place.
   Json pictures = oneTriangle();
@@ -194,7 +194,7 @@ TEST_F(ReadMemory, SparseAccessorsAndTexturesAreCharged) {
     primitives.push_back(primitive);
     primitives.back()["material"] = i;
   }
-  const std::string file = glbOf(pictures, triangleBytes() + std::string(kMega, '\0'));
+  const std::string file = glbBytes(pictures, triangleBytes() + std::string(kMega, '\0'));
   EXPECT_EQ(read("b.glb", file).appearance.textures.size(), 100u);
   expectTooMuch("c.glb", file, 20 * kMega);
 }
@@ -210,7 +210,7 @@ TEST_F(ReadMemory, NamesThatNodesTakeFromTheirMeshAreCharged) {
   Json json = oneTriangle();
   json["meshes"][0]["name"] = std::string(100'000, 'n');
   for (int i = 0; i < 1000; ++i) json["nodes"].push_back({{"mesh", 0}});
-  const std::string file = glbOf(json, triangleBytes());
+  const std::string file = glbBytes(json, triangleBytes());
   EXPECT_EQ(sentence([&] { (void)read("a.glb", file); }), "nothing");
   expectTooMuch("b.glb", file, 50 * kMega);
 }
@@ -243,7 +243,7 @@ TEST_F(ReadMemory, InstancesOfNothingTakeNoTime) {
         {{"mesh", 1},
          {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", 1}}}}}}}});
   }
-  const std::string file = glbOf(json, triangleBytes() + std::string(3 * kCount, '\1'));
+  const std::string file = glbBytes(json, triangleBytes() + std::string(3 * kCount, '\1'));
   EXPECT_EQ(read("a.glb", file).mesh.triangles.size(), 1u);
 }
 
@@ -252,7 +252,7 @@ TEST_F(ReadMemory, LongJsonIsChargedAndReadOnce) {
   json["nodes"] = {{{"mesh", 0}}};
   json["extras"] = Json::array();
   for (int i = 0; i < 300'000; ++i) json["extras"].push_back(Json::object());
-  const std::string file = glbOf(json, triangleBytes());
+  const std::string file = glbBytes(json, triangleBytes());
   EXPECT_EQ(read("a.glb", file).mesh.triangles.size(), 1u);
   expectTooMuch("b.glb", file, 20 * kMega);
 }
@@ -362,7 +362,7 @@ std::string packedByDraco(const std::string& stream, std::size_t length) {
   json["nodes"] = {{{"mesh", 0}}};
   json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
       {"bufferView", 0}, {"attributes", {{"POSITION", kDracoPositions}}}};
-  return glbOf(json, stream);
+  return glbBytes(json, stream);
 }
 std::string packedByDraco(const std::string& stream) {
   return packedByDraco(stream, stream.size());
@@ -426,7 +426,7 @@ TEST_F(ReadMemory, DracosAttributesAreCountedBeforeThereIsRoomForThem) {
 
 // ---- Voxels and points
 
-std::string bytesOf(const RunLengthVoxels& voxels, VoxelFormat format) {
+std::string fileOf(const RunLengthVoxels& voxels, VoxelFormat format) {
   std::string bytes;
   encodeVoxels({voxels}, format, [&](std::string_view component) { bytes += component; });
   return bytes;
@@ -455,7 +455,7 @@ TEST(VoxelMemory, RunsAreCharged) {
     const auto format = one.first;
     const Parse& parse = one.second;
     SCOPED_TRACE(static_cast<int>(format));
-    const std::string bytes = bytesOf(voxels, format);
+    const std::string bytes = fileOf(voxels, format);
     EXPECT_EQ(parse(bytes, {.maxMemory = 80 * kMega}).runs.size(), voxels.runs.size());
     EXPECT_NE(sentence([&] { (void)parse(bytes, {.maxMemory = 7 * kMega}); }).find(" may be used"),
               std::string::npos);

@@ -26,7 +26,7 @@ namespace sherd {
 namespace {
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-constexpr std::uint64_t kMega = 1'000'000;
+constexpr std::uint64_t kMegabyte = 1'000'000;
 using openvdb::io::COMPRESS_ACTIVE_MASK;
 using openvdb::io::COMPRESS_BLOSC;
 using openvdb::io::COMPRESS_ZIP;
@@ -137,8 +137,10 @@ struct Counts {
 
 void readDamaged(const std::string& bytes, Counts& counts) {
   try {
-    if ((counts.read + counts.refused) % 3 == 0) (void)describeVdbOf("a.vdb", bytes, 100 * kMega);
-    for (const NamedGrid& grid : floatGridsOf("a.vdb", bytes, 100 * kMega)) expectSound(*grid.grid);
+    if ((counts.read + counts.refused) % 3 == 0)
+      (void)describeVdbOf("a.vdb", bytes, 100 * kMegabyte);
+    for (const NamedGrid& grid : floatGridsOf("a.vdb", bytes, 100 * kMegabyte))
+      expectSound(*grid.grid);
     ++counts.read;
   } catch (const Error& e) {
     ASSERT_EQ(e.code(), ErrorCode::input) << e.what();
@@ -250,17 +252,18 @@ TEST_F(DamagedBall, MemoryIsHeldAgainstTheLimitBeforeItIsTaken) {
   const auto read = [&](std::uint64_t limit) {
     return sentenceOf([&] { (void)floatGridsOf("a.vdb", bytes_, limit); });
   };
-  EXPECT_EQ(read(10 * kMega), "");
-  EXPECT_NE(read(kMega).find("may be used"), std::string::npos);
+  EXPECT_EQ(read(10 * kMegabyte), "");
+  EXPECT_NE(read(kMegabyte).find("may be used"), std::string::npos);
   // Upper nodes of 0.3 MB that Blosc packs to 9 KB, 400 of them.
   const auto sparse = openvdb::FloatGrid::create();
   for (int i = 0; i < 400; ++i)
     sparse->tree().addTile(2, openvdb::Coord(4096 * i, 0, 0), 1.0f, true);
   const std::string bomb = vdbBytes({sparse}, COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK);
-  EXPECT_LT(bomb.size(), 4 * kMega);
-  EXPECT_NE(sentenceOf([&] { (void)floatGridsOf("a.vdb", bomb, 100 * kMega); }).find("may be used"),
-            std::string::npos);
-  EXPECT_EQ(sentenceOf([&] { (void)floatGridsOf("a.vdb", bomb, 150 * kMega); }), "");
+  EXPECT_LT(bomb.size(), 4 * kMegabyte);
+  EXPECT_NE(
+      sentenceOf([&] { (void)floatGridsOf("a.vdb", bomb, 100 * kMegabyte); }).find("may be used"),
+      std::string::npos);
+  EXPECT_EQ(sentenceOf([&] { (void)floatGridsOf("a.vdb", bomb, 150 * kMegabyte); }), "");
 }
 
 TEST_F(DamagedBall, NamesAreOfAReasonableLength) {

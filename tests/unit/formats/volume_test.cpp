@@ -218,7 +218,7 @@ TEST_F(VolumeTest, ATileInASolidBackgroundIsRefusedForItsFaces) {
 
 // ---- Voxel files
 
-RunLengthVoxels voxelsOf(const openvdb::Coord& dims,
+RunLengthVoxels voxelsAt(const openvdb::Coord& dims,
                          const std::function<std::uint16_t(int, int, int)>& label) {
   RunLengthVoxels voxels{dims, {}};
   for (int x = 0; x < dims.x(); ++x) {
@@ -243,7 +243,7 @@ TEST(VoxelFaces, WindOnceRoundLabeledVoxelsAndNowhereElse) {
   const auto at = [&](int x, int y, int z) {
     return labels[static_cast<std::size_t>((x * 4 + y) * 6 + z)];
   };
-  const RunLengthVoxels voxels = voxelsOf({5, 4, 6}, at);
+  const RunLengthVoxels voxels = voxelsAt({5, 4, 6}, at);
   const GridFrame frame{{10.0, 20.0, 30.0}, 0.5};
   const TriangleMesh mesh = voxelFaces(voxels, frame, 1000).value();
   std::size_t solid = 0;

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Runs = std::vector<Run>;  // within a test, Run is a member of GoogleTest's
 
-std::string bytesOf(const PlacedVoxels& voxels, VoxelFormat format) {
+std::string encodedBytes(const PlacedVoxels& voxels, VoxelFormat format) {
   std::string bytes;
   encodeVoxels(voxels, format, [&](std::string_view component) { bytes.append(component); });
   return bytes;
@@ -123,12 +123,12 @@ TEST(VoxelFiles, EveryFormatGivesBackWhatItWasGiven) {
   for (const Case& c : kCases) {
     const RunLengthVoxels voxels = randomVoxels(++seed, c.dims, c.lowest, c.highest);
     for (const VoxelFormat first : kAll) {
-      const RunLengthVoxels once = parsed(bytesOf({voxels}, first), first).voxels;
+      const RunLengthVoxels once = parsed(encodedBytes({voxels}, first), first).voxels;
       const bool cubic = first == VoxelFormat::bing;
       EXPECT_EQ(once.runs, (cubic ? cube(voxels) : voxels).runs) << seed << " " << int(first);
       EXPECT_EQ(once.dims, (cubic ? cube(voxels) : voxels).dims) << seed << " " << int(first);
       for (const VoxelFormat second : kAll) {  // .vox has no margin, .bing has its own
-        const RunLengthVoxels twice = parsed(bytesOf({once}, second), second).voxels;
+        const RunLengthVoxels twice = parsed(encodedBytes({once}, second), second).voxels;
         EXPECT_EQ(cube(twice).runs,
                   second == VoxelFormat::vox ? cube(voxels).runs : cube(once).runs)
             << seed << " " << int(first) << " " << int(second);
@@ -142,7 +142,8 @@ TEST(VoxelFiles, LabelsOf16BitsSurviveWhereTheFormatHoldsThem) {
   const RunLengthVoxels voxels = randomVoxels(3, {20, 30, 25}, 1, 65535);
   for (const VoxelFormat format :
        {VoxelFormat::rle, VoxelFormat::npy, VoxelFormat::npz, VoxelFormat::qstack}) {
-    EXPECT_EQ(parsed(bytesOf({voxels}, format), format).voxels.runs, voxels.runs) << int(format);
+    EXPECT_EQ(parsed(encodedBytes({voxels}, format), format).voxels.runs, voxels.runs)
+        << int(format);
   }
 }
 
@@ -150,16 +151,17 @@ TEST(VoxelFiles, ABoxOf1024CubedGoesThroughEveryRunFormatWithoutBeingExpanded) {
   // Two voxels in opposite corners.
   const RunLengthVoxels voxels{{1024, 1024, 1024}, {{2, 1}, {0, (1u << 30) - 2}, {3, 1}}};
   for (const VoxelFormat format : {VoxelFormat::rle, VoxelFormat::vox, VoxelFormat::qstack}) {
-    EXPECT_EQ(parsed(bytesOf({voxels}, format), format).voxels.runs, voxels.runs) << int(format);
+    EXPECT_EQ(parsed(encodedBytes({voxels}, format), format).voxels.runs, voxels.runs)
+        << int(format);
   }
 }
 
 TEST(QuadStack, HoldsSidesAndStacksBeyond255) {
   RunLengthVoxels voxels{{300, 520, 3}, {{0, 300 * 520 * 3}}};
-  EXPECT_EQ(parseQuadStack(bytesOf({voxels}, VoxelFormat::qstack), "x").runs, voxels.runs);
+  EXPECT_EQ(parseQuadStack(encodedBytes({voxels}, VoxelFormat::qstack), "x").runs, voxels.runs);
   voxels = {{2, 1, 1000}, {}};
   for (std::uint16_t i = 0; i < 2000; ++i) voxels.runs.push_back({std::uint16_t(i % 7), 1});
-  EXPECT_EQ(parseQuadStack(bytesOf({voxels}, VoxelFormat::qstack), "x").runs, voxels.runs);
+  EXPECT_EQ(parseQuadStack(encodedBytes({voxels}, VoxelFormat::qstack), "x").runs, voxels.runs);
 }
 
 TEST(MagicaVoxel, NeighborsDifferWhereFragmentsShareColors) {
@@ -177,7 +179,7 @@ TEST(MagicaVoxel, NeighborsDifferWhereFragmentsShareColors) {
   const PlacedVoxels voxels{runsOf(dense)};
   EXPECT_EQ(lossesOf(voxels, VoxelFormat::vox).size(), 1u);
   const VoxelLabels back =
-      expand(parsed(bytesOf(voxels, VoxelFormat::vox), VoxelFormat::vox).voxels);
+      expand(parsed(encodedBytes(voxels, VoxelFormat::vox), VoxelFormat::vox).voxels);
   ASSERT_EQ(back.dims, dense.dims);
   const int steps[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   std::size_t faces = 0;
@@ -198,7 +200,7 @@ TEST(MagicaVoxel, NeighborsDifferWhereFragmentsShareColors) {
 }
 
 TEST(MagicaVoxel, AnEmptyBoxIsNotWritten) {
-  EXPECT_THROW((void)bytesOf({{{2, 2, 2}, {{0, 8}}}}, VoxelFormat::vox), Error);
+  EXPECT_THROW((void)encodedBytes({{{2, 2, 2}, {{0, 8}}}}, VoxelFormat::vox), Error);
 }
 
 TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
@@ -228,7 +230,7 @@ TEST(Padded, PlacesTheBoxInTheCubeAndInTheWorld) {
 TEST(NpzLabels, KeepThePlace) {
   const PlacedVoxels voxels{randomVoxels(5, {5, 6, 7}, 1, 9),
                             VoxelTransform{{{-0.1, 1e-9, 3e8}, 0.007}, {-5, 0, 2147483647}}};
-  const PlacedVoxels back = parseNpzLabels(bytesOf(voxels, VoxelFormat::npz), "x.npz");
+  const PlacedVoxels back = parseNpzLabels(encodedBytes(voxels, VoxelFormat::npz), "x.npz");
   ASSERT_TRUE(back.transform);
   EXPECT_EQ(back.transform->frame.origin, voxels.transform->frame.origin);
   EXPECT_EQ(back.transform->frame.voxelSize, 0.007);
@@ -241,7 +243,7 @@ TEST(NpzLabels, KeepThePlace) {
 TEST(VoxelFiles, EveryCutIsRefused) {
   const PlacedVoxels voxels{randomVoxels(6, {6, 5, 7}, 1, 9), VoxelTransform{{{1, 2, 3}, 0.5}, {}}};
   for (const VoxelFormat format : kAll) {
-    const std::string whole = bytesOf(voxels, format);
+    const std::string whole = encodedBytes(voxels, format);
     EXPECT_EQ(refusal(whole, format), "");
     for (std::size_t n = 0; n < whole.size(); ++n) {
       ASSERT_NE(refusal(std::string_view(whole).substr(0, n), format), "")
@@ -256,7 +258,7 @@ TEST(VoxelFiles, DamagedFilesAreReadOrRefused) {
   std::mt19937 random(11);
   const PlacedVoxels voxels{randomVoxels(7, {6, 5, 7}, 2, 9), VoxelTransform{{{1, 2, 3}, 0.5}, {}}};
   for (const VoxelFormat format : kAll) {
-    const std::string whole = bytesOf(voxels, format);
+    const std::string whole = encodedBytes(voxels, format);
     std::size_t refused = 0;
     for (int round = 0; round < 1500; ++round) {
       std::string bytes = whole;
@@ -282,14 +284,14 @@ TEST(VoxelFiles, DamagedFilesAreReadOrRefused) {
 std::string u16(unsigned v) {
   return {static_cast<char>(v & 255), static_cast<char>(v >> 8 & 255)};
 }
-std::string u32(unsigned v) { return u16(v & 0xffff) + u16(v >> 16); }
+std::string bytes32(unsigned v) { return u16(v & 0xffff) + u16(v >> 16); }
 std::string u64(std::uint64_t v) {
-  return u32(static_cast<unsigned>(v & 0xffffffff)) + u32(static_cast<unsigned>(v >> 32));
+  return bytes32(static_cast<unsigned>(v & 0xffffffff)) + bytes32(static_cast<unsigned>(v >> 32));
 }
 
 TEST(ParseRle, ReadsTheOldRecordsOf16Bytes) {
   const std::string junk = "\1\2\3\4\5\6";
-  const std::string head = u32(2) + u32(3) + u32(8);
+  const std::string head = bytes32(2) + bytes32(3) + bytes32(8);
   const std::string old = u16(0) + junk + u64(40) + u16(3) + junk + u64(8);
   EXPECT_EQ(parseRle(head + old, "x").runs, (Runs{{0, 40}, {3, 8}}));
   EXPECT_NE(refusal(head + u16(0) + junk + u64(40) + u16(3) + junk + u64(9), VoxelFormat::rle), "");
@@ -300,11 +302,11 @@ TEST(ParseRle, ReadsTheOldRecordsOf16Bytes) {
 
 // A count that lies would take all memory if it were believed.
 TEST(VoxelFiles, CountsThatLieAreRefused) {
-  EXPECT_NE(refusal(u32(60000) + u32(60000) + u32(60000), VoxelFormat::bing), "");
+  EXPECT_NE(refusal(bytes32(60000) + bytes32(60000) + bytes32(60000), VoxelFormat::bing), "");
   EXPECT_NE(
       refusal(u64(2) + u16(65535) + u16(65535) + u16(65535) + u64(~0ull), VoxelFormat::qstack), "");
   EXPECT_NE(refusal(u64(2) + u16(65535) + u16(65535) + u16(65535) + u64(1) + u64(~0ull) +
-                        u32(65535) + u32(65535) + u32(0) + u32(0) + u32(0xffff),
+                        bytes32(65535) + bytes32(65535) + bytes32(0) + bytes32(0) + bytes32(0xffff),
                     VoxelFormat::qstack),
             "");
   const std::string dense =
@@ -312,29 +314,34 @@ TEST(VoxelFiles, CountsThatLieAreRefused) {
   const std::string npy =
       std::string("\x93NUMPY\1\0", 8) + u16(static_cast<unsigned>(dense.size()));
   EXPECT_NE(refusal(npy + dense + std::string(100, '\0'), VoxelFormat::npy), "");
-  const std::string size = "SIZE" + u32(12) + u32(0) + u32(126) + u32(126) + u32(126);
+  const std::string size =
+      "SIZE" + bytes32(12) + bytes32(0) + bytes32(126) + bytes32(126) + bytes32(126);
   const auto vox = [](const std::string& chunks) {
-    return "VOX " + u32(150) + "MAIN" + u32(0) + u32(static_cast<unsigned>(chunks.size())) + chunks;
+    return "VOX " + bytes32(150) + "MAIN" + bytes32(0) +
+           bytes32(static_cast<unsigned>(chunks.size())) + chunks;
   };
-  EXPECT_NE(
-      refusal(vox(size + "XYZI" + u32(8) + u32(0) + u32(0x3fffffff) + u32(0)), VoxelFormat::vox),
-      "");
-  EXPECT_EQ(
-      refusal(vox(size + "XYZI" + u32(8) + u32(0) + u32(1) + u32(0x01000000)), VoxelFormat::vox),
-      "");
+  EXPECT_NE(refusal(vox(size + "XYZI" + bytes32(8) + bytes32(0) + bytes32(0x3fffffff) + bytes32(0)),
+                    VoxelFormat::vox),
+            "");
+  EXPECT_EQ(refusal(vox(size + "XYZI" + bytes32(8) + bytes32(0) + bytes32(1) + bytes32(0x01000000)),
+                    VoxelFormat::vox),
+            "");
 }
 
 // A node that is its own grandchild.
 TEST(MagicaVoxel, ATreeThatIsNoneIsRefused) {
-  const std::string voxel = "SIZE" + u32(12) + u32(0) + u32(1) + u32(1) + u32(1) + "XYZI" + u32(8) +
-                            u32(0) + u32(1) + u32(0x05000000);
+  const std::string voxel = "SIZE" + bytes32(12) + bytes32(0) + bytes32(1) + bytes32(1) +
+                            bytes32(1) + "XYZI" + bytes32(8) + bytes32(0) + bytes32(1) +
+                            bytes32(0x05000000);
   const auto group = [](unsigned node, std::initializer_list<unsigned> children) {
-    std::string content = u32(node) + u32(0) + u32(static_cast<unsigned>(children.size()));
-    for (const unsigned child : children) content += u32(child);
-    return "nGRP" + u32(static_cast<unsigned>(content.size())) + u32(0) + content;
+    std::string content =
+        bytes32(node) + bytes32(0) + bytes32(static_cast<unsigned>(children.size()));
+    for (const unsigned child : children) content += bytes32(child);
+    return "nGRP" + bytes32(static_cast<unsigned>(content.size())) + bytes32(0) + content;
   };
   const auto vox = [](const std::string& chunks) {
-    return "VOX " + u32(150) + "MAIN" + u32(0) + u32(static_cast<unsigned>(chunks.size())) + chunks;
+    return "VOX " + bytes32(150) + "MAIN" + bytes32(0) +
+           bytes32(static_cast<unsigned>(chunks.size())) + chunks;
   };
   EXPECT_NE(refusal(vox(voxel + group(0, {1}) + group(1, {0})), VoxelFormat::vox), "");
   EXPECT_NE(refusal(vox(voxel + group(0, {7})), VoxelFormat::vox), "");
@@ -369,14 +376,14 @@ TEST_F(VoxelFilesOnDisk, TheAuthorsVesselGoesThroughEveryFormat) {
   const fs::path sample = fs::path(meshes).parent_path() / "samples" / "AL_12B_grid_128r.rle";
   if (!fs::exists(sample)) GTEST_SKIP() << sample << " is not there";
   const PlacedVoxels vessel = readVoxels(sample);
-  const std::string tight =
-      bytesOf({parsed(bytesOf(vessel, VoxelFormat::vox), VoxelFormat::vox)}, VoxelFormat::rle);
+  const std::string tight = encodedBytes(
+      {parsed(encodedBytes(vessel, VoxelFormat::vox), VoxelFormat::vox)}, VoxelFormat::rle);
   for (const VoxelFormat format : kAll) {
-    const PlacedVoxels back = parsed(bytesOf(vessel, format), format);
+    const PlacedVoxels back = parsed(encodedBytes(vessel, format), format);
     if (format == VoxelFormat::bing) {
       EXPECT_EQ(back.voxels.runs, cube(vessel.voxels).runs);
     } else if (format == VoxelFormat::vox) {
-      EXPECT_EQ(bytesOf({back}, VoxelFormat::rle), tight);
+      EXPECT_EQ(encodedBytes({back}, VoxelFormat::rle), tight);
       EXPECT_EQ(back.voxels.dims.y(), 109);  // the authors' voxelization has nothing at y = 0
     } else {
       EXPECT_EQ(back.voxels.runs, vessel.voxels.runs) << int(format);

@@ -19,25 +19,29 @@ namespace {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 using Rational = boost::multiprecision::cpp_rational;
-using Point = std::array<Rational, 3>;
-using Polygon = std::vector<Point>;
+using CornerPoint = std::array<Rational, 3>;
+using Polygon = std::vector<CornerPoint>;
 
-Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Rational dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Point cross(const Point& a, const Point& b) {
+CornerPoint minusExactly(const CornerPoint& a, const CornerPoint& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+Rational dot(const CornerPoint& a, const CornerPoint& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+CornerPoint cross(const CornerPoint& a, const CornerPoint& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 // The part of a convex polygon, possibly flat, where dot(normal, p - on) >= 0.
-Polygon clipped(const Polygon& polygon, const Point& on, const Point& normal) {
+Polygon clipped(const Polygon& polygon, const CornerPoint& on, const CornerPoint& normal) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const Rational atP = dot(normal, minus(p, on)), atQ = dot(normal, minus(q, on));
+    const CornerPoint &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const Rational atP = dot(normal, minusExactly(p, on)), atQ = dot(normal, minusExactly(q, on));
     if (atP >= 0) kept.push_back(p);
     if ((atP > 0 && atQ < 0) || (atP < 0 && atQ > 0)) {
       const Rational t = atP / (atP - atQ);
-      const Point along = minus(q, p);
+      const CornerPoint along = minusExactly(q, p);
       kept.push_back({p[0] + t * along[0], p[1] + t * along[1], p[2] + t * along[2]});
     }
   }
@@ -46,18 +50,18 @@ Polygon clipped(const Polygon& polygon, const Point& on, const Point& normal) {
 
 // The corners of what two triangles have in common.
 Polygon common(const Polygon& s, const Polygon& t) {
-  const Point normal = cross(minus(t[1], t[0]), minus(t[2], t[0]));
+  const CornerPoint normal = cross(minusExactly(t[1], t[0]), minusExactly(t[2], t[0]));
   Polygon rest = clipped(s, t[0], normal);
   rest = clipped(rest, t[0], {-normal[0], -normal[1], -normal[2]});
   for (std::size_t k = 0; k < 3; ++k) {
-    rest = clipped(rest, t[k], cross(normal, minus(t[(k + 1) % 3], t[k])));
+    rest = clipped(rest, t[k], cross(normal, minusExactly(t[(k + 1) % 3], t[k])));
   }
   return rest;
 }
 
-bool isOnSegment(const Point& p, const Point& a, const Point& b) {
-  const Point along = minus(b, a), apart = minus(p, a);
-  return cross(along, apart) == Point{0, 0, 0} && dot(apart, along) >= 0 &&
+bool isOnSegment(const CornerPoint& p, const CornerPoint& a, const CornerPoint& b) {
+  const CornerPoint along = minusExactly(b, a), apart = minusExactly(p, a);
+  return cross(along, apart) == CornerPoint{0, 0, 0} && dot(apart, along) >= 0 &&
          dot(apart, along) <= dot(along, along);
 }
 
@@ -71,7 +75,7 @@ struct Mesh {
 bool doCross(const Mesh& mesh, const glm::uvec3& s, const glm::uvec3& t) {
   const auto at = [&](std::uint32_t v) {
     const glm::dvec3& p = mesh.vertices[v];
-    return Point{Rational(p.x), Rational(p.y), Rational(p.z)};
+    return CornerPoint{Rational(p.x), Rational(p.y), Rational(p.z)};
   };
   Polygon shared;
   for (int k = 0; k < 3; ++k) {
@@ -79,7 +83,7 @@ bool doCross(const Mesh& mesh, const glm::uvec3& s, const glm::uvec3& t) {
   }
   if (shared.size() == 3) return true;
   const Polygon points = common({at(s.x), at(s.y), at(s.z)}, {at(t.x), at(t.y), at(t.z)});
-  return std::any_of(points.begin(), points.end(), [&](const Point& p) {
+  return std::any_of(points.begin(), points.end(), [&](const CornerPoint& p) {
     if (shared.size() == 2) return !isOnSegment(p, shared[0], shared[1]);
     return shared.empty() || p != shared[0];
   });

@@ -27,7 +27,7 @@
 namespace sherd {
 namespace {
 
-const std::vector<PointOptions> kEveryWay{
+const std::vector<PointOptions> kEverySampler{
     {.sampler = PointSampler::uniform, .rule = PointRule::area},
     {.sampler = PointSampler::halton, .rule = PointRule::area},
     {.sampler = PointSampler::poisson, .rule = PointRule::area},
@@ -50,7 +50,7 @@ using SampleMemory = TempFolder;
 TEST_F(SampleMemory, PointsAreTheSameInAnyBlocks) {
   const TriangleMesh ball = shapes::ball(1.0, 3);
   const SurfaceByArea surface(ball);
-  for (PointOptions options : kEveryWay) {
+  for (PointOptions options : kEverySampler) {
     options.count = 100;
     options.seed = 5;
     const SurfacePoints all = samplePoints(ball, options);
@@ -97,7 +97,7 @@ TEST_F(SampleMemory, FilesOfDistancesAreTheSameInAnyBlocks) {
 }
 
 // Three boxes in a row, of which the middle one touches both others.
-std::vector<Fragment> row() {
+std::vector<Fragment> fragmentRow() {
   std::vector<Fragment> fragments(3);
   for (int i = 0; i < 3; ++i) {
     Fragment& fragment = fragments[static_cast<std::size_t>(i)];
@@ -123,7 +123,7 @@ std::vector<Fragment> row() {
 }
 
 TEST_F(SampleMemory, CorrespondencesAreTheSameContactByContact) {
-  const std::vector<Fragment> fragments = row();
+  const std::vector<Fragment> fragments = fragmentRow();
   const Correspondences whole = sampleCorrespondences(fragments, 50, 5);
   ASSERT_EQ(whole.positions.size(), 100u);  // of two contacts
   for (std::size_t i = 0; i < 100; ++i) {
@@ -139,7 +139,7 @@ TEST_F(SampleMemory, CorrespondencesAreTheSameContactByContact) {
 
 // Four gibibytes hold 134 million correspondences of 32 bytes.
 TEST_F(SampleMemory, MoreCorrespondencesThanAFileHoldsAreRefusedFirst) {
-  std::vector<Fragment> fragments = row();
+  std::vector<Fragment> fragments = fragmentRow();
   const std::size_t tooMany = 70'000'000;
   try {
     writeAllCorrespondences(folder_ / "c.npz", fragments, tooMany, 5);

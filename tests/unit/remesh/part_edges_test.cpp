@@ -34,7 +34,7 @@ LabeledMesh tetrahedra(const std::vector<std::array<glm::dvec3, 4>>& all) {
   return out;
 }
 
-std::size_t crossings(const TriangleMesh& mesh) {
+std::size_t crossingsBetween(const TriangleMesh& mesh) {
   std::vector<glm::uvec3> merged = mesh.triangles;
   const std::vector<std::uint32_t> first = firstAtPosition(mesh.vertices);
   for (glm::uvec3& t : merged) t = {first[t.x], first[t.y], first[t.z]};
@@ -47,7 +47,7 @@ void expectParted(const LabeledMesh& touching) {
   std::vector<LabeledMesh> meshes{touching};
   EXPECT_EQ(partSheets(meshes), "");
   EXPECT_EQ(touchingEdges(meshes[0]), 0u);
-  EXPECT_EQ(crossings(meshes[0].mesh), 0u);
+  EXPECT_EQ(crossingsBetween(meshes[0].mesh), 0u);
   const Box box = bounds(touching.mesh);
   const glm::dvec3 size = box.max - box.min;
   const double side = std::max({size.x, size.y, size.z});

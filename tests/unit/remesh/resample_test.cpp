@@ -172,7 +172,7 @@ TEST_F(Resample, AFractureOfOneVoxelPiecesKeepsThem) {
   }
 }
 
-std::size_t crossings(const FractureResult& result) {
+std::size_t crossingsIn(const FractureResult& result) {
   std::size_t pairs = 0;
   for (const Fragment& f : result.fragments)
     pairs += selfCrossings(f.mesh.vertices, f.mesh.triangles).size();
@@ -186,8 +186,8 @@ TEST_F(Resample, CrossesItselfNoMoreThanTheSharedMesh) {
     FractureOptions own = shared;
     own.surface.interface = Interface::independent;
     const TriangleMesh torus = rotatedShape(shapes::torus(1.0, 0.3), 0.4, 0.7);
-    EXPECT_LE(crossings(fracture(torus, own, device())),
-              crossings(fracture(torus, shared, device())))
+    EXPECT_LE(crossingsIn(fracture(torus, own, device())),
+              crossingsIn(fracture(torus, shared, device())))
         << seed;
   }
 }

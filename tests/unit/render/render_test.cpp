@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Fragment fragmentOf(int id, TriangleMesh mesh, std::uint16_t neighbor = 0) {
+Fragment renderedFragment(int id, TriangleMesh mesh, std::uint16_t neighbor = 0) {
   Fragment fragment;
   fragment.id = id;
   fragment.mass = massProperties(mesh);
@@ -43,7 +43,7 @@ Fragment fragmentOf(int id, TriangleMesh mesh, std::uint16_t neighbor = 0) {
 std::vector<Fragment> rowOfBalls(int count) {
   std::vector<Fragment> fragments;
   for (int i = 0; i < count; ++i)
-    fragments.push_back(fragmentOf(i + 1, shapes::ball(1.0, 4, {2.5 * i, 0.0, 0.0})));
+    fragments.push_back(renderedFragment(i + 1, shapes::ball(1.0, 4, {2.5 * i, 0.0, 0.0})));
   return fragments;
 }
 
@@ -123,8 +123,8 @@ TEST(Render, ShowsEveryFragmentInItsColorAndPlace) {
 
 TEST(Render, ShowsABallRoundAndCenteredAndAsLargeAsTheMarginAllows) {
   const RenderOptions options{.width = 400, .height = 300};
-  const Image image =
-      renderFragments(std::vector{fragmentOf(1, shapes::ball(3.0, 6, {7.0, -2.0, 5.0}))}, options);
+  const Image image = renderFragments(
+      std::vector{renderedFragment(1, shapes::ball(3.0, 6, {7.0, -2.0, 5.0}))}, options);
   int left = image.width, right = -1, top = image.height, bottom = -1, area = 0;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
@@ -189,7 +189,7 @@ TEST(Render, FocusFillsTheImageWithAFragment) {
 TEST(Render, LeavesTheBackdropAloneWhereNothingIs) {
   const RenderOptions options{.width = 320, .height = 200};
   const Image empty = renderFragments({}, options);
-  const Image ball = renderFragments(std::vector{fragmentOf(1, shapes::ball(1.0))}, options);
+  const Image ball = renderFragments(std::vector{renderedFragment(1, shapes::ball(1.0))}, options);
   for (int x = 0; x < options.width; ++x) {
     const Pixel p = at(ball, x, 0), q = at(empty, x, 0);
     EXPECT_EQ(std::tie(p.r, p.g, p.b), std::tie(q.r, q.g, q.b)) << "column " << x;
@@ -204,7 +204,7 @@ TEST(Render, LeavesTheBackdropAloneWhereNothingIs) {
 TEST(Render, ThrowsAShadowOnTheGround) {
   const RenderOptions options{.width = 320, .height = 200};
   const Image empty = renderFragments({}, options);
-  const Image ball = renderFragments(std::vector{fragmentOf(1, shapes::ball(1.0))}, options);
+  const Image ball = renderFragments(std::vector{renderedFragment(1, shapes::ball(1.0))}, options);
   int darker = 0, lighter = 0;
   for (int y = 0; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x) {
@@ -219,8 +219,10 @@ TEST(Render, ThrowsAShadowOnTheGround) {
 
 TEST(Render, DistinguishesInnerFacesFromOuterOnes) {
   const RenderOptions options{.width = 160, .height = 160};
-  const Image outer = renderFragments(std::vector{fragmentOf(1, shapes::ball(1.0), 0)}, options);
-  const Image inner = renderFragments(std::vector{fragmentOf(1, shapes::ball(1.0), 2)}, options);
+  const Image outer =
+      renderFragments(std::vector{renderedFragment(1, shapes::ball(1.0), 0)}, options);
+  const Image inner =
+      renderFragments(std::vector{renderedFragment(1, shapes::ball(1.0), 2)}, options);
   for (int y = 50; y < 110; ++y)
     for (int x = 50; x < 110; ++x) {
       EXPECT_LT(at(inner, x, y).colorfulness(), at(outer, x, y).colorfulness());
@@ -280,7 +282,7 @@ TEST(Render, UpAxisTurnsTheWholePicture) {
   const auto turned = [&](const std::function<glm::dvec3(glm::dvec3)>& turn) {
     TriangleMesh mesh = yUp;
     for (glm::dvec3& v : mesh.vertices) v = turn(v);
-    return std::vector{fragmentOf(1, mesh)};
+    return std::vector{renderedFragment(1, mesh)};
   };
   RenderOptions options{.width = 200, .height = 200, .explode = 0.0};
   const Image expected = renderFragments(turned([](glm::dvec3 v) { return v; }), options);
@@ -298,7 +300,7 @@ TEST(Render, DoesNotDependOnTheUnitOfLength) {
   const RenderOptions options{.width = 160, .height = 90};
   const auto ballOf = [](double scale) {
     return std::vector{
-        fragmentOf(1, shapes::transformed(shapes::ball(1.0), scale, glm::dvec3(0.0)))};
+        renderedFragment(1, shapes::transformed(shapes::ball(1.0), scale, glm::dvec3(0.0)))};
   };
   const Image expected = renderFragments(ballOf(1.0), options);
   EXPECT_EQ(renderFragments(ballOf(0x1p-40), options).rgb, expected.rgb);
@@ -308,8 +310,9 @@ TEST(Render, DoesNotDependOnTheUnitOfLength) {
 TEST(Render, SurvivesFragmentsWithoutExtent) {
   TriangleMesh point{std::vector<glm::dvec3>(3, glm::dvec3(5.0)), {{0, 1, 2}}};
   const RenderOptions options{.width = 64, .height = 64};
-  EXPECT_EQ(renderFragments(std::vector{fragmentOf(1, point)}, options).rgb.size(), 64u * 64u * 3u);
-  EXPECT_EQ(renderFragments(std::vector{fragmentOf(1, {})}, options).rgb,
+  EXPECT_EQ(renderFragments(std::vector{renderedFragment(1, point)}, options).rgb.size(),
+            64u * 64u * 3u);
+  EXPECT_EQ(renderFragments(std::vector{renderedFragment(1, {})}, options).rgb,
             renderFragments({}, options).rgb);
 }
 
@@ -322,7 +325,7 @@ Solid solidOf(int voxels, double length) {
 }
 
 TEST(Pictured, IsAsItIsWhereVoxelsAreAsLargeAsPixels) {
-  const Fragment ball = fragmentOf(3, shapes::ball(1.0, 5), 7);
+  const Fragment ball = renderedFragment(3, shapes::ball(1.0, 5), 7);
   const Fragment same = previewFragment(ball, solidOf(900, 2.0));
   EXPECT_EQ(same.id, 3);
   EXPECT_EQ(same.mesh.vertices, ball.mesh.vertices);
@@ -332,7 +335,7 @@ TEST(Pictured, IsAsItIsWhereVoxelsAreAsLargeAsPixels) {
 
 TEST(Pictured, OfAFinerSolidIsCoarserAndLooksTheSame) {
   // Edges of 0.009, cubes of 0.03.
-  const Fragment ball = fragmentOf(1, shapes::ball(1.0, 7), 2);
+  const Fragment ball = renderedFragment(1, shapes::ball(1.0, 7), 2);
   const double length = 768.0 / 32.0;
   const Fragment coarse = previewFragment(ball, solidOf(2048, length));
   const double cube = length / kPreviewCubes;

@@ -12,11 +12,11 @@ namespace sherd {
 namespace {
 
 // One leaf: a wall of two voxels across z, whose middle lies between them, 64 columns.
-struct Wall {
+struct TwoSided {
   std::shared_ptr<LeafBlocks> blocks = std::make_shared<LeafBlocks>();
   std::shared_ptr<const WallMiddles> middles;
 
-  Wall() {
+  TwoSided() {
     blocks->origins.emplace_back(0, 0, 0);
     blocks->inside.assign(8, 0x1818181818181818u);  // z of 3 and 4
     std::vector<std::int16_t> ways(512 * 3, 0);
@@ -32,7 +32,7 @@ struct Wall {
 };
 
 TEST(DistinctMiddles, TheLaterSeedMovesToAnotherColumn) {
-  const Wall wall;
+  const TwoSided wall;
   const std::vector<Seed> seeds{{{2, 2, 3}, 1}, {{2, 2, 4}, 2, {5, 5, -20}}, {{5, 5, 3}, 3}};
   const std::vector<Seed> moved = withDistinctMiddles(seeds, *wall.blocks, *wall.middles);
   EXPECT_EQ(moved[0], seeds[0]);
@@ -44,13 +44,13 @@ TEST(DistinctMiddles, TheLaterSeedMovesToAnotherColumn) {
 }
 
 TEST(DistinctMiddles, SeedsOfOneFragmentStay) {
-  const Wall wall;
+  const TwoSided wall;
   const std::vector<Seed> seeds{{{2, 2, 3}, 1}, {{2, 2, 4}, 1}};
   EXPECT_EQ(withDistinctMiddles(seeds, *wall.blocks, *wall.middles), seeds);
 }
 
 TEST(DistinctMiddles, ManyFindColumnsOfTheirOwnUntilThereIsNone) {
-  const Wall wall;
+  const TwoSided wall;
   std::vector<Seed> seeds;
   for (int i = 0; i < 64; ++i) {  // all 32 columns of y < 4, twice
     seeds.push_back({{i / 8, i / 2 % 4, 3 + i % 2}, static_cast<std::uint16_t>(i + 1)});

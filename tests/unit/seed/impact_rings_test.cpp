@@ -32,8 +32,8 @@ class ImpactRings : public DeviceTest {
 // A plate in x and y about the origin, of side 2.
 TriangleMesh plate(double thickness = 0.05) { return shapes::box({2.0, 2.0, thickness}); }
 
-std::vector<Seed> seedsOf(const PreparedSolid& on, const std::vector<Impact>& impacts, int pieces,
-                          std::uint64_t seed = 3) {
+std::vector<Seed> ringSeeds(const PreparedSolid& on, const std::vector<Impact>& impacts, int pieces,
+                            std::uint64_t seed = 3) {
   return placeSeeds(on.solid, on.components, {.pieces = pieces, .seed = seed, .impacts = impacts});
 }
 
@@ -109,7 +109,7 @@ TEST_F(ImpactRings, RadialCracksCrossASmallCircle) {
     const RingPattern pattern = ringPatternFor(energy, 2.0, 0.0);
     const int pieces = static_cast<int>(pattern.seeds()) + 1;
     const Impact impact{.target = glm::dvec3(0.0, 0.0, 0.025), .energy = energy};
-    const Labels labels = grownFrom(on, seedsOf(on, {impact}, pieces), device());
+    const Labels labels = grownFrom(on, ringSeeds(on, {impact}, pieces), device());
     EXPECT_EQ(labels.fragmentCount, pieces);
     EXPECT_EQ(reference::countConnectedComponents(reference::mapOf(labels)),
               static_cast<std::size_t>(pieces));
@@ -126,7 +126,7 @@ TEST_F(ImpactRings, RingsAreCrossedOnTheWayOutwards) {
     const RingPattern pattern = ringPatternFor(energy, 2.0, 0.0);
     const Impact impact{.target = glm::dvec3(0.0, 0.0, 0.025), .energy = energy};
     const Labels labels =
-        grownFrom(on, seedsOf(on, {impact}, static_cast<int>(pattern.seeds()) + 1), device());
+        grownFrom(on, ringSeeds(on, {impact}, static_cast<int>(pattern.seeds()) + 1), device());
     EXPECT_EQ(ringsAlong(on, labels, pattern.rowRadius(0), pattern.rowRadius(pattern.rings)),
               pattern.rings)
         << energy;
@@ -138,7 +138,7 @@ TEST_F(ImpactRings, DensityFallsWithTheDistance) {
   const PreparedSolid on = solidOf(plate(), 160);
   for (const int pieces : {40, 80}) {
     const Impact impact{.target = glm::dvec3(0.0, 0.0, 0.025), .energy = 2.0};
-    const std::vector<Seed> seeds = seedsOf(on, {impact}, pieces);
+    const std::vector<Seed> seeds = ringSeeds(on, {impact}, pieces);
     double before = std::numeric_limits<double>::infinity();
     for (double from = 0.0, to = 0.125; to <= 1.0; from = to, to *= 2.0) {
       int inside = 0;
@@ -158,7 +158,7 @@ TEST_F(ImpactRings, LieInTheMiddleOfTheWall) {
   const PreparedSolid on = solidOf(plate(), 128);
   const Impact impact{.target = glm::dvec3(0.3, 0.1, 1.0), .count = 30, .energy = 2.0};
   int inMiddle = 0;
-  for (const Seed& seed : seedsOf(on, {impact}, 31)) {
+  for (const Seed& seed : ringSeeds(on, {impact}, 31)) {
     const glm::dvec3 at = on.solid.frame.worldFromIndex(pointOf(seed));
     inMiddle += std::abs(at.z) < 0.02 * 0.05;
   }
@@ -173,7 +173,7 @@ TEST_F(ImpactRings, MeasureArcLengthOnAShell) {
   const Impact impact{.target = glm::dvec3(0.0, 0.0, 2.0),
                       .count = static_cast<int>(pattern.seeds()),
                       .energy = 4.0};
-  const std::vector<Seed> seeds = seedsOf(on, {impact}, static_cast<int>(pattern.seeds()) + 1);
+  const std::vector<Seed> seeds = ringSeeds(on, {impact}, static_cast<int>(pattern.seeds()) + 1);
   std::vector<int> inRow(static_cast<std::size_t>(pattern.rings) + 1, 0);
   for (const Seed& seed : seeds) {
     const glm::dvec3 at = on.solid.frame.worldFromIndex(pointOf(seed));
@@ -199,7 +199,7 @@ TEST_F(ImpactRings, KeepTheCountExactly) {
     for (const bool merge : {false, true}) {
       const Impact impact{
           .target = glm::dvec3(0.9, 0.9, 0.025), .count = count, .energy = 1.0, .merge = merge};
-      const std::vector<Seed> seeds = seedsOf(on, {impact}, 160);
+      const std::vector<Seed> seeds = ringSeeds(on, {impact}, 160);
       EXPECT_EQ(fragmentsOf(seeds), 160);
       EXPECT_EQ(seeds.size(), 160u + (merge ? static_cast<std::size_t>(count) : 0u));
       std::set<openvdb::Coord> voxels;
@@ -216,13 +216,13 @@ TEST_F(ImpactRings, StayInTheirComponentAndWithinThePieces) {
   ASSERT_EQ(on.components.count(), 2u);
   const Impact impact{.target = glm::dvec3(0.0, 0.0, 0.325), .energy = 1.0};
   int above = 0;
-  for (const Seed& seed : seedsOf(on, {impact}, 34)) {
+  for (const Seed& seed : ringSeeds(on, {impact}, 34)) {
     above += on.solid.frame.worldFromIndex(pointOf(seed)).z > 0.15;
   }
   EXPECT_GE(above, 32);
   EXPECT_LE(above, 33);
-  EXPECT_EQ(fragmentsOf(seedsOf(on, {impact}, 3)), 3);
-  EXPECT_EQ(fragmentsOf(seedsOf(on, {impact, impact, impact}, 20)), 20);
+  EXPECT_EQ(fragmentsOf(ringSeeds(on, {impact}, 3)), 3);
+  EXPECT_EQ(fragmentsOf(ringSeeds(on, {impact, impact, impact}, 20)), 20);
 }
 
 // A ball is thick: seeds are scattered about the point, most within two standard deviations.
@@ -230,7 +230,7 @@ TEST_F(ImpactRings, AreScatteredWhereTheSolidIsThick) {
   const PreparedSolid on = solidOf(shapes::ball(1.0), 64);
   const RingPattern pattern = ringPatternFor(1.0, 2.0, 0.0);
   const Impact impact{.target = glm::dvec3(0.0, 0.0, 2.0), .energy = 1.0};
-  const std::vector<Seed> seeds = seedsOf(on, {impact}, 200);
+  const std::vector<Seed> seeds = ringSeeds(on, {impact}, 200);
   EXPECT_EQ(fragmentsOf(seeds), 200);
   const auto near = std::count_if(seeds.begin(), seeds.end(), [&](const Seed& seed) {
     const glm::dvec3 at = on.solid.frame.worldFromIndex(pointOf(seed));
@@ -248,7 +248,7 @@ TEST_F(ImpactRings, BreakAShellOfVoxels) {
   const RingPattern pattern = ringPatternFor(1.0, 2.0, 0.0);
   const Impact impact{.target = glm::dvec3(0.0, 0.0, 0.1), .energy = 1.0};
   std::vector<double> near;
-  for (const Seed& seed : seedsOf(on, {impact}, static_cast<int>(pattern.seeds()) + 1)) {
+  for (const Seed& seed : ringSeeds(on, {impact}, static_cast<int>(pattern.seeds()) + 1)) {
     near.push_back(
         glm::length(on.solid.frame.worldFromIndex(pointOf(seed)) - glm::dvec3(0.0, 0.0, 0.1)));
   }
@@ -264,14 +264,14 @@ TEST_F(ImpactRings, RefuseEnergiesOutOfRange) {
   const PreparedSolid on = solidOf(plate(), 32);
   for (const double energy : {-1.0, 0.001, 101.0, std::nan(""), HUGE_VAL}) {
     const Impact impact{.target = glm::dvec3(0.0), .energy = energy};
-    EXPECT_THROW((void)seedsOf(on, {impact}, 10), Error) << energy;
+    EXPECT_THROW((void)ringSeeds(on, {impact}, 10), Error) << energy;
   }
 }
 
 TEST_F(ImpactRings, GrowOnTheCoarsestPlate) {
   const PreparedSolid on = solidOf(plate(0.2), 16);
   const Impact impact{.target = glm::dvec3(0.0), .energy = 100.0};
-  EXPECT_EQ(fragmentsOf(seedsOf(on, {impact}, 100)), 100);
+  EXPECT_EQ(fragmentsOf(ringSeeds(on, {impact}, 100)), 100);
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ std::vector<Seed> seedsOf(const PreparedSolid& at, const SeedOptions& options) {
   return placeSeeds(at.solid, at.components, options);
 }
 
-PreparedSolid solidOf(const TriangleMesh& mesh, int resolution, Device& device,
-                      Fill fill = Fill::automatic) {
+PreparedSolid preparedSolid(const TriangleMesh& mesh, int resolution, Device& device,
+                            Fill fill = Fill::automatic) {
   return prepared(voxelize(mesh, {.resolution = resolution, .fill = fill}), device);
 }
 
@@ -48,7 +48,8 @@ void expectSame(const PreparedSolid& coarse, const PreparedSolid& fine,
 
 TEST_F(SeedsInSpace, OnTheSurfaceAreTheSameToo) {
   const TriangleMesh mesh = shapes::cup(1.0, 0.25, 1.6, 0.25);
-  const PreparedSolid coarse = solidOf(mesh, 40, device()), fine = solidOf(mesh, 97, device());
+  const PreparedSolid coarse = preparedSolid(mesh, 40, device()),
+                      fine = preparedSolid(mesh, 97, device());
   for (const Sampler sampler : kSamplers) {
     expectSame(coarse, fine, {.pieces = 20, .seed = 3, .sampler = sampler, .on = SeedsOn::surface});
   }
@@ -57,8 +58,8 @@ TEST_F(SeedsInSpace, OnTheSurfaceAreTheSameToo) {
 TEST_F(SeedsInSpace, EveryFillDecidesByTheMesh) {
   const TriangleMesh mesh = shapes::hollowBall(1.0, 0.5);
   for (const Fill fill : {Fill::winding, Fill::parity, Fill::flood}) {
-    const PreparedSolid coarse = solidOf(mesh, 40, device(), fill),
-                        fine = solidOf(mesh, 97, device(), fill);
+    const PreparedSolid coarse = preparedSolid(mesh, 40, device(), fill),
+                        fine = preparedSolid(mesh, 97, device(), fill);
     expectSame(coarse, fine, {.pieces = 100, .seed = 1});
     for (const Seed& seed : seedsOf(fine, {.pieces = 100, .seed = 1})) {
       const double r = glm::length(fine.solid.frame.worldFromIndex(pointOf(seed)));
@@ -93,14 +94,15 @@ TEST_F(SeedsInSpace, OfShellsAreTheSameAtEveryThicknessAndResolution) {
 
 TEST_F(SeedsInSpace, AnImpactWiderThanTheBoxIsUniform) {
   const TriangleMesh mesh = shapes::ball(1.0, 4);
-  const PreparedSolid coarse = solidOf(mesh, 40, device()), fine = solidOf(mesh, 97, device());
+  const PreparedSolid coarse = preparedSolid(mesh, 40, device()),
+                      fine = preparedSolid(mesh, 97, device());
   const Impact wide{.target = glm::dvec3{0, 0, 2}, .count = 6, .sigma = 50.0};
   expectSame(coarse, fine, {.pieces = 8, .seed = 4, .impacts = {wide}});
 }
 
 // Uniform by volume, whatever the resolution: the share in each half of a ball's octants.
 TEST_F(SeedsInSpace, AreUniformInTheMesh) {
-  const PreparedSolid ball = solidOf(shapes::ball(1.0, 5), 24, device());
+  const PreparedSolid ball = preparedSolid(shapes::ball(1.0, 5), 24, device());
   std::array<double, 16> hits{};
   constexpr double kInner = 0.7937005259840998;  // the radius of half the volume
   constexpr int kPieces = 50, kSeeds = 400;
@@ -139,7 +141,7 @@ TEST_F(SeedsInSpace, GrowTheSameFragments) {
 
 // As many fragments as voxels: points in neighboring voxels take each other's centers otherwise.
 TEST_F(SeedsInSpace, EveryFragmentKeepsItsVoxel) {
-  const PreparedSolid ball = solidOf(shapes::ball(1.0, 4), 14, device());
+  const PreparedSolid ball = preparedSolid(shapes::ball(1.0, 4), 14, device());
   const auto voxels = static_cast<int>(ball.solid.voxels);
   for (const int pieces : {voxels / 10, voxels / 2, voxels}) {
     const std::vector<std::vector<Seed>> seeds{seedsOf(ball, {.pieces = pieces, .seed = 2})};
@@ -164,7 +166,7 @@ TEST_F(SeedsInSpace, EveryFragmentKeepsItsVoxel) {
 
 // Seeds ask whether to stop, wherever in the work.
 TEST_F(SeedsInSpace, StopWhenAsked) {
-  const PreparedSolid ball = solidOf(shapes::ball(1.0, 4), 40, device());
+  const PreparedSolid ball = preparedSolid(shapes::ball(1.0, 4), 40, device());
   const SeedOptions impact{.pieces = 90, .impacts = {{.count = 80}}};
   std::vector<SeedOptions> all{impact};
   for (const Sampler sampler : kSamplers) all.push_back({.pieces = 80, .sampler = sampler});

@@ -66,7 +66,7 @@ std::size_t crossings(const LabeledComplex& cracks) {
 TriangleMesh meshOf(const LabeledComplex& cracks) { return {cracks.vertices, trianglesOf(cracks)}; }
 
 // Edges that the surface of a label uses more often in one direction.
-std::set<std::array<std::uint32_t, 2>> openEdges(const LabeledComplex& cracks) {
+std::set<std::array<std::uint32_t, 2>> openCrackEdges(const LabeledComplex& cracks) {
   std::map<std::array<std::uint32_t, 3>, int> balance;  // lower end, higher end, label
   for (const ComplexFace& face : cracks.faces) {
     for (int k = 0; k < 3; ++k) {
@@ -91,7 +91,7 @@ struct Overhang {
 
 Overhang overhangOf(const LabeledComplex& cracks) {
   Overhang least;
-  for (const auto& [a, b] : openEdges(cracks)) {
+  for (const auto& [a, b] : openCrackEdges(cracks)) {
     const auto [low, high] =
         std::minmax({glm::length(cracks.vertices[a]) - 1.0, glm::length(cracks.vertices[b]) - 1.0});
     least.nearer = std::min(least.nearer, low);
@@ -155,7 +155,7 @@ TEST(CrackSurface, IsClosedAroundEveryLabelInsideTheSolid) {
   for (const int pieces : {2, 8, 30}) {
     for (const double roughness : {0.0, 1.5}) {
       const Cracked cracked(shapes::ball(1.0, 5), pieces, roughness);
-      EXPECT_FALSE(openEdges(cracked.cracks).empty());
+      EXPECT_FALSE(openCrackEdges(cracked.cracks).empty());
       // A quad is missing where a cell has a corner at least three voxels beyond the solid.  Its
       // four cells share an edge, so an open edge's ends lie in one that has a face in common with
       // that cell, within sqrt(6) voxels, and in one that may have an edge in common only,

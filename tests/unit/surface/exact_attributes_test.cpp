@@ -28,7 +28,7 @@
 namespace sherd {
 namespace {
 
-FractureResult broken(const TriangleMesh& mesh, int pieces) {
+FractureResult brokenExactly(const TriangleMesh& mesh, int pieces) {
   FractureOptions options;
   options.pieces = pieces;
   options.seed = 7;
@@ -98,7 +98,7 @@ TEST(ExactAttributes, NormalsAreTheInputsAndUnitBetween) {
   const std::vector<float> sign(mesh.triangles.size(), 1.0f);
   const AttributeSource source(mesh);
   std::size_t same = 0;
-  for (const Fragment& fragment : broken(mesh, 5).fragments) {
+  for (const Fragment& fragment : brokenExactly(mesh, 5).fragments) {
     const SurfaceAttributes own = source.transferTo(fragment.mesh, 0);
     EXPECT_TRUE(own.hasOnlyNormals());
     same += expectNormals(mesh, fragment.mesh, own, sign);
@@ -115,7 +115,7 @@ TEST(ExactAttributes, FlippedTrianglesHaveFlippedNormals) {
     sign[t] = -1.0f;
   }
   const AttributeSource source(mesh);
-  for (const Fragment& fragment : broken(mesh, 6).fragments) {
+  for (const Fragment& fragment : brokenExactly(mesh, 6).fragments) {
     expectNormals(mesh, fragment.mesh, source.transferTo(fragment.mesh, 0), sign);
   }
 }
@@ -146,7 +146,7 @@ class ExactFiles : public TempFolder {
   void breakObj(const std::string& text, int pieces) {
     std::ofstream(folder_ / "in.obj") << text;
     object_ = std::make_unique<Object>(readMesh(folder_ / "in.obj"));
-    object_->fragments = broken(object_->source.mesh, pieces).fragments;
+    object_->fragments = brokenExactly(object_->source.mesh, pieces).fragments;
     object_->table = materialTable(object_->source.appearance);
     const AttributeSource from(object_->source.mesh);
     for (const Fragment& fragment : object_->fragments) {
@@ -177,7 +177,7 @@ std::vector<std::vector<std::string>> linesOf(const std::filesystem::path& file)
 
 // A prism over an L of six corners, split along x: polygons of six corners, which are not convex,
 // and quads, one of them not planar for `bend` other than 0.
-std::string prism(double bend) {
+std::string bentPrism(double bend) {
   constexpr int kSteps = 8;
   const double at[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   std::ostringstream out;
@@ -220,7 +220,7 @@ std::map<std::vector<Place>, int> facesOf(const std::filesystem::path& file) {
 
 TEST_F(ExactFiles, WholePolygonsAreFacesAgain) {
   for (const double bend : {0.0, 0.25}) {
-    breakObj(prism(bend), 3);
+    breakObj(bentPrism(bend), 3);
     const auto input = facesOf(folder_ / "in.obj");
     ASSERT_EQ(input.size(), 50u);
     std::size_t whole = 0, hexagons = 0;
@@ -282,7 +282,7 @@ TEST_F(ExactFiles, QuadsKeepTheirTextureCoordinates) {
 }
 
 TEST_F(ExactFiles, ObjectsAreGroupsBesideTheInside) {
-  std::string text = prism(0.0);
+  std::string text = bentPrism(0.0);
   // The first 26 faces are one object, the others another, whose name is the inside's.
   std::size_t at = 0;
   for (int i = 0; i < 54; ++i) at = text.find('\n', at) + 1;

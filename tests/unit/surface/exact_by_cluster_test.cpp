@@ -27,7 +27,7 @@
 namespace sherd {
 namespace {
 
-FractureOptions exactOptions(int pieces, int resolution) {
+FractureOptions clusterOptions(int pieces, int resolution) {
   FractureOptions options;
   options.pieces = pieces;
   options.seed = 5;
@@ -37,13 +37,13 @@ FractureOptions exactOptions(int pieces, int resolution) {
 }
 
 FractureOptions withVoxels(double size, int pieces) {
-  FractureOptions options = exactOptions(pieces, 64);
+  FractureOptions options = clusterOptions(pieces, 64);
   options.solid.voxelSize = size;
   return options;
 }
 
-FractureResult broken(const TriangleMesh& mesh, const FractureOptions& options,
-                      const Progress* progress = nullptr) {
+FractureResult brokenByCluster(const TriangleMesh& mesh, const FractureOptions& options,
+                               const Progress* progress = nullptr) {
   Device device("builtin");
   return fracture(mesh, options, device, progress);
 }
@@ -126,7 +126,7 @@ TEST(ExactByCluster, OtherBodiesStayExactWhereverTheBadOneIs) {
        {std::vector{bad, cube, plate}, std::vector{cube, bad, plate},
         std::vector{cube, plate, bad}}) {
     const TriangleMesh mesh = shapes::joined(bodies);
-    const FractureResult result = broken(mesh, withVoxels(h, 9));
+    const FractureResult result = brokenByCluster(mesh, withVoxels(h, 9));
     ASSERT_EQ(result.exactFailure, "");
     ASSERT_EQ(result.smooth.size(), 1u);
     EXPECT_NE(result.smooth[0].reason.find("would be several bodies"), std::string::npos)
@@ -157,7 +157,7 @@ TEST(ExactByCluster, TrianglesThatNoCrackMeetsStayAsTheyAre) {
   const TriangleMesh ball = shapes::ball(1.0, 4);
   const double h = 0.1;
   const TriangleMesh mesh = shapes::joined({badBody({4.0, 0.0, 0.0}, h), ball});
-  const FractureResult result = broken(mesh, withVoxels(h, 6));
+  const FractureResult result = brokenByCluster(mesh, withVoxels(h, 6));
   ASSERT_EQ(result.smooth.size(), 1u);
   std::set<Face> input;
   const auto keyOf = [](const TriangleMesh& m, const glm::uvec3& t) {
@@ -188,7 +188,7 @@ TEST(ExactByCluster, TrianglesThatNoCrackMeetsStayAsTheyAre) {
 
 TEST(ExactByCluster, EachReasonIsOfItsOwnBodies) {
   const double h = 0.1;
-  const FractureResult result = broken(
+  const FractureResult result = brokenByCluster(
       shapes::joined({badBody({4.0, 0.0, 0.0}, h), shapes::cube(2.0), badBody({8.0, 0.0, 0.0}, h)}),
       withVoxels(h, 12));
   ASSERT_EQ(result.exactFailure, "");
@@ -211,9 +211,9 @@ TEST(ExactByCluster, EachReasonIsOfItsOwnBodies) {
 }
 
 TEST(ExactByCluster, AllBadFallBackTogether) {
-  const FractureResult result =
-      broken(shapes::joined({badBody({0.0, 0.0, 0.0}, 0.1), badBody({4.0, 0.0, 0.0}, 0.1)}),
-             withVoxels(0.1, 4));
+  const FractureResult result = brokenByCluster(
+      shapes::joined({badBody({0.0, 0.0, 0.0}, 0.1), badBody({4.0, 0.0, 0.0}, 0.1)}),
+      withVoxels(0.1, 4));
   EXPECT_NE(result.exactFailure, "");
   EXPECT_TRUE(result.smooth.empty());
   EXPECT_EQ(smoothIds(result).size(), result.fragments.size());
@@ -224,8 +224,8 @@ TEST(ExactByCluster, BudgetsErosionAndLevelSetsAreOfBothKinds) {
   options.surface.levelSets = true;
   options.surface.triangles = {400, 100};
   options.erode.iterations = 1;
-  const FractureResult result =
-      broken(shapes::joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 4)}), options);
+  const FractureResult result = brokenByCluster(
+      shapes::joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 4)}), options);
   ASSERT_EQ(result.smooth.size(), 1u);
   std::set<Surface> kinds;
   for (const Fragment& fragment : result.fragments) {
@@ -250,8 +250,8 @@ TEST(ExactByCluster, BudgetsErosionAndLevelSetsAreOfBothKinds) {
 TEST(ExactByCluster, IndependentInterfacesAreOfTheSmoothFragments) {
   FractureOptions options = withVoxels(0.1, 8);
   options.surface.interface = Interface::independent;
-  const FractureResult result =
-      broken(shapes::joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 3)}), options);
+  const FractureResult result = brokenByCluster(
+      shapes::joined({badBody({4.0, 0.0, 0.0}, 0.1), shapes::ball(1.0, 3)}), options);
   ASSERT_EQ(result.smooth.size(), 1u);
   std::map<Surface, int> shared, alone;
   for (const Fragment& fragment : result.fragments) {
@@ -271,7 +271,7 @@ TEST(ExactByCluster, ThreadsDoNotMatter) {
   std::vector<FractureResult> results;
   for (const int threads : {1, 2}) {
     tbb::task_arena arena(threads);
-    arena.execute([&] { results.push_back(broken(mesh, withVoxels(0.1, 7))); });
+    arena.execute([&] { results.push_back(brokenByCluster(mesh, withVoxels(0.1, 7))); });
   }
   ASSERT_EQ(results[0].smooth.size(), 1u);
   for (std::size_t i = 0; i < results[0].fragments.size(); ++i) {
@@ -289,7 +289,7 @@ TEST(ExactByCluster, CanBeCancelledWhileClustersAreCut) {
     const Progress progress{.report = [&](std::string_view, double) { ++count; },
                             .cancelled = [&] { return stop > 0 && count >= stop; }};
     try {
-      (void)broken(mesh, withVoxels(0.1, 4), &progress);
+      (void)brokenByCluster(mesh, withVoxels(0.1, 4), &progress);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::cancelled);
       return -1;
@@ -306,8 +306,8 @@ TEST(ExactByCluster, BodiesNearerThanAVoxelHaveNoFacesInCommon) {
   const double h = 4.1 / 40;
   const TriangleMesh mesh = shapes::append(box({-2.0, -1.0, -1.0}, glm::dvec3(2.0)),
                                            box({0.3 * h, -1.0, -1.0}, glm::dvec3(2.0)));
-  FractureOptions options = exactOptions(6, 40);
-  const FractureResult whole = broken(mesh, options);
+  FractureOptions options = clusterOptions(6, 40);
+  const FractureResult whole = brokenByCluster(mesh, options);
   ASSERT_EQ(whole.exactFailure, "");
   ASSERT_TRUE(whole.smooth.empty());
   Solid solid = whole.solid;
@@ -347,7 +347,7 @@ TEST(ExactByCluster, BodiesNearerThanAVoxelHaveNoFacesInCommon) {
 // cut.
 TEST(ExactByCluster, PiecesThatTouchOneThatCannotBeBrokenAgainAreSmooth) {
   const TriangleMesh mesh = shapes::append(shapes::cube(2.0), box({3, -1, -1}, glm::dvec3(2.0)));
-  const FractureResult result = broken(mesh, exactOptions(8, 50));
+  const FractureResult result = brokenByCluster(mesh, clusterOptions(8, 50));
   ASSERT_TRUE(result.exactFailure.empty() && result.smooth.empty());
   FinishedFracture finished;
   finished.solid = result.solid;
@@ -373,7 +373,7 @@ TEST(ExactByCluster, PiecesThatTouchOneThatCannotBeBrokenAgainAreSmooth) {
     finished.firstFace.push_back(finished.faces.triangles.size());
   }
   Device device("builtin");
-  FractureOptions options = exactOptions(3, 50);
+  FractureOptions options = clusterOptions(3, 50);
   const std::array<int, 2> only{bad, good};
   const FractureResult again = refracture(finished, only, options, device);
   ASSERT_EQ(again.exactFailure, "");
@@ -403,7 +403,7 @@ struct Clustered {
 };
 
 Clustered clustersOf(const TriangleMesh& mesh, int pieces, int resolution) {
-  const FractureResult result = broken(mesh, exactOptions(pieces, resolution));
+  const FractureResult result = brokenByCluster(mesh, clusterOptions(pieces, resolution));
   Clustered out{result.solid, result.labels, {}};
   out.clusters = bodyClusters(out.solid, *out.solid.mesh, out.labels);
   return out;

@@ -12,13 +12,13 @@ namespace {
 
 using openvdb::Coord;
 
-const Coord kSteps[6] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+const Coord kLevelSteps[6] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
 std::vector<VoxelFace> facesOfSet(const std::set<Coord>& voxels) {
   std::vector<VoxelFace> faces;
   for (const Coord& voxel : voxels) {
     for (int d = 0; d < 6; ++d) {
-      if (!voxels.count(voxel + kSteps[d])) faces.push_back({voxel, d, 0});
+      if (!voxels.count(voxel + kLevelSteps[d])) faces.push_back({voxel, d, 0});
     }
   }
   return faces;

@@ -33,7 +33,7 @@ std::vector<Fragment> fragmentsOf(const TriangleMesh& mesh, const FractureOption
   return fracture(mesh, options, device).fragments;
 }
 
-std::size_t trianglesOf(const std::vector<Fragment>& fragments) {
+std::size_t sortedTriangles(const std::vector<Fragment>& fragments) {
   std::size_t count = 0;
   for (const Fragment& fragment : fragments) count += fragment.mesh.triangles.size();
   return count;
@@ -49,7 +49,7 @@ std::size_t crossingsOf(const std::vector<Fragment>& fragments) {
 using Position = std::tuple<double, double, double>;
 
 // The triangles between two fragments, counter-clockwise seen from the lower id, by positions.
-std::set<std::array<Position, 3>> cracksOf(const Fragment& fragment, std::uint16_t neighbor) {
+std::set<std::array<Position, 3>> cracksBeside(const Fragment& fragment, std::uint16_t neighbor) {
   std::set<std::array<Position, 3>> all;
   for (std::size_t t = 0; t < fragment.mesh.triangles.size(); ++t) {
     if (fragment.mesh.neighbor[t] != neighbor) continue;
@@ -65,7 +65,7 @@ std::set<std::array<Position, 3>> cracksOf(const Fragment& fragment, std::uint16
   return all;
 }
 
-void expectSound(const std::vector<Fragment>& fragments) {
+void expectSoundFragments(const std::vector<Fragment>& fragments) {
   for (const Fragment& fragment : fragments) {
     SCOPED_TRACE(fragment.id);
     EXPECT_EQ(openEdges(fragment.mesh), 0u);
@@ -73,8 +73,8 @@ void expectSound(const std::vector<Fragment>& fragments) {
     EXPECT_EQ(nonManifoldVertices(fragment.mesh), 0u);
     for (const Contact& contact : fragment.contacts) {
       const Fragment& other = fragments[static_cast<std::size_t>(contact.fragment) - 1];
-      EXPECT_EQ(cracksOf(fragment, static_cast<std::uint16_t>(other.id)),
-                cracksOf(other, static_cast<std::uint16_t>(fragment.id)));
+      EXPECT_EQ(cracksBeside(fragment, static_cast<std::uint16_t>(other.id)),
+                cracksBeside(other, static_cast<std::uint16_t>(fragment.id)));
     }
   }
 }
@@ -144,8 +144,8 @@ TEST(MergedPlanes, MakeFewTrianglesOfACube) {
     options.seed = seed;
     for (const TriangleMesh& mesh : {shapes::cube(1.0), gridCube(64)}) {
       const std::vector<Fragment> fragments = fragmentsOf(mesh, options);
-      EXPECT_LT(trianglesOf(fragments), 3000u);
-      expectSound(fragments);
+      EXPECT_LT(sortedTriangles(fragments), 3000u);
+      expectSoundFragments(fragments);
       EXPECT_EQ(crossingsOf(fragments), 0u);
       // Cracks may move by their tolerance, but what one fragment loses another has.
       EXPECT_NEAR(volumeOf(fragments), 1.0, 6.0 * kPlanarTolerance / 128.0);
@@ -179,9 +179,9 @@ TEST(MergedPlanes, AreThoseOfManyFragmentsToo) {
   const std::vector<Fragment> merged = fragmentsOf(shapes::cube(1.0), options);
   options.surface.adaptivity = 0.0;
   const std::vector<Fragment> all = fragmentsOf(shapes::cube(1.0), options);
-  EXPECT_LT(2 * trianglesOf(merged), trianglesOf(all));
+  EXPECT_LT(2 * sortedTriangles(merged), sortedTriangles(all));
   EXPECT_LE(crossingsOf(merged), crossingsOf(all));
-  expectSound(merged);
+  expectSoundFragments(merged);
 }
 
 TEST(MergedPlanes, StayOnTheInput) {
@@ -202,11 +202,11 @@ TEST(MergedPlanes, AreSoundWithRoughAndErodedCracksAndOfEachFragmentAlone) {
   for (FractureOptions options : {rough, eroded, independent}) {
     const std::vector<Fragment> merged = fragmentsOf(shapes::cube(1.0), options);
     if (options.surface.interface == Interface::shared && options.erode.iterations.isZero()) {
-      expectSound(merged);
+      expectSoundFragments(merged);
     }
     options.surface.adaptivity = 0.0;
     const std::vector<Fragment> all = fragmentsOf(shapes::cube(1.0), options);
-    EXPECT_LT(trianglesOf(merged), trianglesOf(all));
+    EXPECT_LT(sortedTriangles(merged), sortedTriangles(all));
     EXPECT_LE(crossingsOf(merged), crossingsOf(all));
     for (const Fragment& fragment : merged) {
       EXPECT_EQ(openEdges(fragment.mesh) + nonManifoldEdges(fragment.mesh) +

@@ -25,7 +25,7 @@ using BodyLayers = DeviceTest;
 using Bodies = std::vector<TriangleMesh>;
 
 // Turns bodies about an axis through the origin that is parallel to no other.
-Bodies turned(Bodies bodies) {
+Bodies turnedBodies(Bodies bodies) {
   const glm::dmat3 turn = glm::mat3_cast(glm::normalize(glm::dquat(0.9, 0.1, 0.3, 0.2)));
   for (TriangleMesh& body : bodies) {
     for (glm::dvec3& v : body.vertices) v = turn * v;
@@ -58,10 +58,10 @@ std::vector<Bodies> nearBodies() {
   std::vector<Bodies> all;
   for (const double gap : {1e-9, 0.1, 0.5, 0.9, 1.5, 2.5}) {
     all.push_back(bricks(gap));
-    all.push_back(turned(bricks(gap)));
+    all.push_back(turnedBodies(bricks(gap)));
   }
   all.push_back(cards(0.95, 0.05));
-  all.push_back(turned(cards(1.4, 0.02)));
+  all.push_back(turnedBodies(cards(1.4, 0.02)));
   all.push_back({shapes::ball(8.0, 3), shapes::ball(8.0, 3, {16.02, 0.0, 0.0})});
   all.push_back({shapes::hollowBall(10.0, 7.0), shapes::ball(6.8)});
   return all;
@@ -99,7 +99,7 @@ TEST_F(BodyLayers, VoxelsAreConnectedWithinTheirBodiesOnly) {
 
 TEST_F(BodyLayers, ThickBodiesAreOneComponentEach) {
   for (const double gap : {1e-9, 0.1, 0.5, 0.9, 1.5, 2.5}) {
-    for (const Bodies& bodies : {bricks(gap), turned(bricks(gap))}) {
+    for (const Bodies& bodies : {bricks(gap), turnedBodies(bricks(gap))}) {
       const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
       EXPECT_EQ(findComponents(*solid.blocks, device()).count(), bodies.size()) << gap;
       EXPECT_NEAR(static_cast<double>(solid.voxels), 6.0 * 216.0, 130.0);
@@ -141,7 +141,7 @@ TEST_F(BodyLayers, BodiesThatTouchOverlapOrLieWithinEachOtherAreOne) {
   Bodies deep{shapes::cube(24.0)};  // those within are near each other, not near the outside
   deep.push_back(shapes::cube(4.0, {-2.1, 0.0, 0.0}));
   deep.push_back(shapes::cube(4.0, {2.1, 0.0, 0.0}));
-  for (const Bodies& bodies : {bricks(0.0), bricks(-0.3), turned(bricks(-0.3)), deep,
+  for (const Bodies& bodies : {bricks(0.0), bricks(-0.3), turnedBodies(bricks(-0.3)), deep,
                                Bodies{shapes::cube(12.0), shapes::cube(4.0, {3.7, 0.1, 0.2})},
                                Bodies{shapes::hollowBall(10.0, 8.6)}}) {
     const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
@@ -182,7 +182,7 @@ TEST_F(BodyLayers, CellsAreThoseOfTheSeedsInTheirBody) {
   Bodies bodies{shapes::cube(14.0), shapes::cube(14.0, {14.05, 0.0, 0.0}),
                 shapes::cube(14.0, {7.0, 0.0, 14.05})};
   for (const bool isTurned : {false, true}) {
-    if (isTurned) bodies = turned(bodies);
+    if (isTurned) bodies = turnedBodies(bodies);
     const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
     ASSERT_EQ(solid.blocks->layers.size(), 2u);
     const std::vector<int> body = bodiesOfVoxels(solid, bodies);
@@ -211,7 +211,8 @@ TEST_F(BodyLayers, CellsAreThoseOfTheSeedsInTheirBody) {
 }
 
 TEST_F(BodyLayers, AFragmentIsOfOneBody) {
-  for (const Bodies& bodies : {bricks(0.01), turned(bricks(0.3)), turned(cards(3.0, 0.02))}) {
+  for (const Bodies& bodies :
+       {bricks(0.01), turnedBodies(bricks(0.3)), turnedBodies(cards(3.0, 0.02))}) {
     Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = 1.0});
     const std::vector<int> body = bodiesOfVoxels(solid, bodies);
     for (const Growth growth : {Growth::flood, Growth::chain, Growth::euclid, Growth::sequential}) {
@@ -249,10 +250,11 @@ TEST_F(BodyLayers, FragmentsBreakAgainByThemselves) {
 TEST_F(BodyLayers, CracksAloneErode) {
   FractureOptions options{.pieces = 6, .solid = {.voxelSize = 1.0}};
   options.erode = {.iterations = 2.0, .on = ErodeOn::fracture};
-  const FractureResult whole = fracture(shapes::joined(turned(bricks(0.05))), options, device());
+  const FractureResult whole =
+      fracture(shapes::joined(turnedBodies(bricks(0.05))), options, device());
   EXPECT_EQ(whole.eroded[0], 0u);  // each brick is a piece, without cracks
   options.pieces = 12;
-  EXPECT_GT(fracture(shapes::joined(turned(bricks(0.05))), options, device()).eroded[0], 0u);
+  EXPECT_GT(fracture(shapes::joined(turnedBodies(bricks(0.05))), options, device()).eroded[0], 0u);
 }
 
 TEST_F(BodyLayers, CoarseFragmentsAreWhereTheirBodiesAre) {

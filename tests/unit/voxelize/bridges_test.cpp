@@ -47,7 +47,7 @@ int componentsOf(const Solid& solid) {
 }
 
 // A plate of 30 by 30 voxels of size 1, turned.
-TriangleMesh plate(double thickness, const glm::dmat3& turn, const glm::dvec3& offset) {
+TriangleMesh turnedPlate(double thickness, const glm::dmat3& turn, const glm::dvec3& offset) {
   TriangleMesh mesh = shapes::cube(1.0);
   for (glm::dvec3& v : mesh.vertices) v = turn * (v * glm::dvec3(30.0, 30.0, thickness)) + offset;
   return mesh;
@@ -65,7 +65,8 @@ TEST(Bridges, AWallOfAVoxelAndAQuarterHoldsTogetherWhateverWayItRuns) {
       q = glm::dquat(std::cos(angle / 2), std::sin(angle / 2), 0.0, 0.0);
     }
     const glm::dvec3 offset(uniform(random), uniform(random), uniform(random));
-    const TriangleMesh mesh = plate(kHeldWallVoxels, glm::mat3_cast(glm::normalize(q)), offset);
+    const TriangleMesh mesh =
+        turnedPlate(kHeldWallVoxels, glm::mat3_cast(glm::normalize(q)), offset);
     const Solid solid = voxelize(mesh, {.voxelSize = 1.0});
     EXPECT_EQ(componentsOf(solid), 1) << i;
     bridges += solid.report.bridges;

@@ -40,7 +40,7 @@ TriangleMesh cone(double height) {
 }
 
 // Bars along the axes, `count` by `count` each way, that unite where they cross.
-TriangleMesh lattice(int count, double side, double thickness) {
+TriangleMesh barLattice(int count, double side, double thickness) {
   TriangleMesh all;
   for (int axis = 0; axis < 3; ++axis) {
     for (int i = 0; i < count; ++i) {
@@ -93,14 +93,14 @@ TEST(Resolution, ThinThingsKeepTheirVolume) {
   EXPECT_LE(lost(pane, kAutoResolution, volume(pane)), 0.03);
   const double side = 8.0, thick = 0.25;
   const int count = 3;
-  const TriangleMesh bars = lattice(count, side, thick);
+  const TriangleMesh bars = barLattice(count, side, thick);
   const double crossings = std::pow(count, 3) * std::pow(thick, 3);  // three bars in one cube
   const double all = 3 * count * count * (side + thick) * thick * thick - 2.0 * crossings;
   EXPECT_LE(lost(bars, kAutoResolution, all), 0.03);
 }
 
 TEST(Resolution, IsTheSameWhereAMeshIsMovedAndScaled) {
-  for (const TriangleMesh& mesh : {shapes::cup(1.0, 0.0125, 1.5, 0.25), lattice(2, 8.0, 0.25)}) {
+  for (const TriangleMesh& mesh : {shapes::cup(1.0, 0.0125, 1.5, 0.25), barLattice(2, 8.0, 0.25)}) {
     const int resolution = automaticResolution(mesh);
     EXPECT_GT(resolution, kLeastAutoResolution);
     for (const double scale : {0.25, 1.0, 1024.0}) {
@@ -122,7 +122,7 @@ TriangleMesh obliqueBar(double thickness) {
 }
 
 TEST(Resolution, IsTheSameWhereAMeshIsTurned) {
-  std::vector<TriangleMesh> meshes{shapes::cup(1.0, 0.0125, 1.5, 0.25), lattice(2, 8.0, 0.25)};
+  std::vector<TriangleMesh> meshes{shapes::cup(1.0, 0.0125, 1.5, 0.25), barLattice(2, 8.0, 0.25)};
   for (int k = 0; k < 60; ++k) meshes.push_back(obliqueBar(0.012 + 0.0002 * k));
   for (const TriangleMesh& mesh : meshes) {
     const int resolution = automaticResolution(mesh);
