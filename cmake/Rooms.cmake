@@ -1,8 +1,14 @@
-# The rooms of src/, bottom to top, with their sources: docs/architecture.md says what is in each.
+# The rooms of src/, bottom to top, with their sources: docs/architecture.md says what is in each.  Few files of the library are
+# compiled together, since these are slow; of the rest eight.
 function(sherd_room target room)
   list(TRANSFORM ARGN PREPEND src/${room}/ OUTPUT_VARIABLE files)
   list(TRANSFORM files APPEND .cpp)
   target_sources(${target} PRIVATE ${files})
+  set(size 8)
+  if(target STREQUAL sherd)
+    set(size 4)
+  endif()
+  sherd_together(${room} ${size} ${files})
 endfunction()
 
 sherd_room(sherd base memory progress)
