@@ -1,6 +1,7 @@
 // The seeds from which fragments grow.
 #pragma once
 
+#include <sherd/coords.h>
 #include <sherd/solid.h>
 
 #include <algorithm>
@@ -65,8 +66,8 @@ struct Seed {
   bool operator==(const Seed&) const = default;
 };
 
-/// Returns the point of a seed in index space.
-[[nodiscard]] inline glm::dvec3 pointOf(const Seed& seed) {
+/// Returns the point of a seed.
+[[nodiscard]] inline IndexPoint pointOf(const Seed& seed) {
   return glm::dvec3(seed.voxel.x(), seed.voxel.y(), seed.voxel.z()) +
          glm::dvec3(seed.shift) / static_cast<double>(kSeedSteps);
 }
@@ -102,7 +103,7 @@ enum class SeedsOn {
 
 /// A ray in world space.
 struct Ray {
-  glm::dvec3 origin{};
+  WorldPoint origin{};
   glm::dvec3 direction{0.0, 0.0, -1.0};  ///< any length but 0
 };
 
@@ -113,7 +114,7 @@ struct Impact {
   /// The point of the surface: random, the nearest to a point, from which fracture() refuses one
   /// that is farther than kMostImpactDistance, or the first on a ray.  Without a mesh it is the
   /// center of a surface voxel (ties: lowest x, then y, then z).
-  std::variant<Anywhere, glm::dvec3, Ray> target{};
+  std::variant<Anywhere, WorldPoint, Ray> target{};
   /// Seeds.  0: all such impacts share half of the pieces beyond one per component, at least 1
   /// each.  Counts that take all pieces include the one that each component has besides.
   int count = 0;
@@ -134,7 +135,7 @@ struct Impact {
   bool merge = false;
   /// `target` before recentered() moved it, which manifests record: moving it back would round it.
   /// Anywhere: the same as `target`.
-  std::variant<Anywhere, glm::dvec3, Ray> given{};
+  std::variant<Anywhere, WorldPoint, Ray> given{};
 };
 inline constexpr int kMaxBias = 1000;
 
@@ -143,7 +144,7 @@ inline constexpr double kMostImpactDistance = 0.05;
 
 /// A seed given by the user.
 struct SeedPoint {
-  glm::dvec3 position{};
+  WorldPoint position{};
   int fragment = 0;  ///< 1..kMaxFragments
 };
 

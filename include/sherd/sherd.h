@@ -31,6 +31,7 @@
 /// Every function that fails throws sherd::Error.  docs/api.md lists the headers, the conventions
 /// that they share, and what may change between versions; examples/ has whole programs.
 
+#include <sherd/coords.h>
 #include <sherd/dataset.h>
 #include <sherd/device.h>
 #include <sherd/error.h>

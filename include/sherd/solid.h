@@ -4,6 +4,7 @@
 
 #include <openvdb/math/Coord.h>
 #include <openvdb/version.h>
+#include <sherd/coords.h>
 #include <sherd/device.h>
 #include <sherd/mesh.h>
 #include <sherd/progress.h>
@@ -49,14 +50,13 @@ using ConstFloatGridPtr = std::shared_ptr<const openvdb::FloatGrid>;
 /// The grid transform: the center of voxel (i,j,k) is origin + voxelSize * (i,j,k).
 /// voxelize() puts `origin` at the lower corner of the mesh's box plus half a voxel.
 struct GridFrame {
-  glm::dvec3 origin{0.0};  ///< world position of voxel (0,0,0)'s center
+  WorldPoint origin{};     ///< of voxel (0,0,0)'s center
   double voxelSize = 1.0;  ///< world units per voxel, > 0
 
-  /// Index space has voxel centers at whole numbers.
-  glm::dvec3 indexFromWorld(glm::dvec3 p) const { return (p - origin) / voxelSize; }
-  glm::dvec3 worldFromIndex(glm::dvec3 p) const { return origin + voxelSize * p; }
-  glm::dvec3 worldFromIndex(const openvdb::Coord& voxel) const {
-    return worldFromIndex(glm::dvec3(voxel.x(), voxel.y(), voxel.z()));
+  IndexPoint indexFromWorld(const WorldPoint& p) const { return (p - origin) / voxelSize; }
+  WorldPoint worldFromIndex(const IndexPoint& p) const { return origin + voxelSize * p; }
+  WorldPoint worldFromIndex(const openvdb::Coord& voxel) const {
+    return worldFromIndex(IndexPoint(voxel.x(), voxel.y(), voxel.z()));
   }
 };
 

@@ -101,7 +101,7 @@ Impact impactFrom(const std::string& text) {
 
 std::string impactText(const Impact& impact) {
   std::string text;
-  if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) {
+  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) {
     text = numbersText({point->x, point->y, point->z});
   } else if (const auto* ray = std::get_if<Ray>(&impact.target)) {
     const glm::dvec3 &o = ray->origin, &d = ray->direction;

@@ -12,7 +12,7 @@ namespace sherd {
 namespace {
 
 void move(Impact& impact, const glm::dvec3& by) {
-  if (auto* point = std::get_if<glm::dvec3>(&impact.target)) *point += by;
+  if (auto* point = std::get_if<WorldPoint>(&impact.target)) *point += by;
   if (auto* ray = std::get_if<Ray>(&impact.target)) ray->origin += by;
 }
 

@@ -26,7 +26,7 @@ Json impactJson(const Impact& impact) {
   Json json = Json::object();
   const bool isMoved = !std::holds_alternative<Impact::Anywhere>(impact.given);
   const auto& target = isMoved ? impact.given : impact.target;
-  if (const auto* point = std::get_if<glm::dvec3>(&target)) json["point"] = jsonOf(*point);
+  if (const auto* point = std::get_if<WorldPoint>(&target)) json["point"] = jsonOf(*point);
   if (const auto* ray = std::get_if<Ray>(&target)) {
     json["ray"] = {{"origin", jsonOf(ray->origin)}, {"direction", jsonOf(ray->direction)}};
   }

@@ -19,8 +19,8 @@ Error inputError(std::size_t entry, const std::string& what) {
   return Error(ErrorCode::input, "seed " + std::to_string(entry + 1) + " " + what);
 }
 
-std::string refusal(const glm::dvec3& position, const Solid& solid, const VoxelIndex& inside) {
-  const glm::dvec3 point = solid.frame.indexFromWorld(position);
+std::string refusal(const WorldPoint& position, const Solid& solid, const VoxelIndex& inside) {
+  const IndexPoint point = solid.frame.indexFromWorld(position);
   const openvdb::Coord nearest = inside.nearest(point);
   const double away =
       std::sqrt(std::pow(nearest.x() - point.x, 2) + std::pow(nearest.y() - point.y, 2) +
@@ -64,7 +64,7 @@ std::vector<Seed> seedsFromPoints(std::span<const SeedPoint> points, const Solid
   constexpr std::size_t kNone = ~std::size_t{0};
   std::vector<std::size_t> firstOf(given, kNone);  // [id - 1] entry
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const glm::dvec3 point = solid.frame.indexFromWorld(points[i].position);
+    const IndexPoint point = solid.frame.indexFromWorld(points[i].position);
     const auto key = inside.nearestWithin(point, kFarthestVoxels,
                                           [&](VoxelKey voxel) { return !chosen.has(voxel); });
     if (!key) throw inputError(i, refusal(points[i].position, solid, inside));

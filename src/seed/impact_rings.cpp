@@ -51,7 +51,7 @@ std::vector<glm::dvec3> ringPoints(const RingPattern& pattern, const Walls& wall
                     (1.0 + 0.15 * spacing * jitter(seed, row)));
   }
   const double first = std::numbers::pi * jitter(seed, rows);
-  std::vector<std::vector<glm::dvec3>> ways;  // [sector] along each
+  std::vector<std::vector<IndexPoint>> ways;  // [sector] along each
   for (std::size_t sector = 0; sector < sectors; ++sector) {
     const double turn = static_cast<double>(sector) + 0.25 * jitter(seed, rows + 1 + sector);
     const double angle = first + 2.0 * std::numbers::pi * turn / static_cast<double>(sectors);
@@ -59,7 +59,7 @@ std::vector<glm::dvec3> ringPoints(const RingPattern& pattern, const Walls& wall
   }
   std::vector<glm::dvec3> points;
   for (std::size_t row = 0; row < rows; ++row) {
-    for (const std::vector<glm::dvec3>& way : ways) {
+    for (const std::vector<IndexPoint>& way : ways) {
       if (row >= way.size()) continue;
       if (const std::optional<Wall> there = walls.at(way[row], most))
         points.push_back(there->middle);

@@ -34,9 +34,9 @@ bool isAtSolid(const glm::dvec3& point, const VoxelIndex& surface) {
   return surface.nearestWithin(point, kNear).has_value();
 }
 
-glm::dvec3 pointOnRay(const Ray& ray, std::size_t number, const Solid& solid,
+IndexPoint pointOnRay(const Ray& ray, std::size_t number, const Solid& solid,
                       const VoxelIndex& inside, const VoxelIndex& surface) {
-  const glm::dvec3 origin = solid.frame.indexFromWorld(ray.origin);
+  const IndexPoint origin = solid.frame.indexFromWorld(ray.origin);
   if (!isFinite(origin)) throw usageError(number, ": its ray's origin must be finite");
   if (!isFinite(ray.direction) || ray.direction == glm::dvec3(0.0)) {
     throw usageError(number, ": its ray's direction must be finite and not 0");
@@ -51,19 +51,19 @@ glm::dvec3 pointOnRay(const Ray& ray, std::size_t number, const Solid& solid,
   return centerOf(surface.find(*hit) ? *hit : surface.nearest(centerOf(*hit)));
 }
 
-glm::dvec3 pointNearest(const glm::dvec3& target, std::size_t number, const Solid& solid,
+IndexPoint pointNearest(const WorldPoint& target, std::size_t number, const Solid& solid,
                         const VoxelIndex& surface) {
-  const glm::dvec3 at = solid.frame.indexFromWorld(target);
+  const IndexPoint at = solid.frame.indexFromWorld(target);
   if (!isFinite(at)) throw usageError(number, ": its point must be finite");
   if (solid.region) {
-    const glm::dvec3 on = solid.region->onSurface(at);
+    const IndexPoint on = solid.region->onSurface(at);
     if (isAtSolid(on, surface)) return on;
   }
   return centerOf(surface.nearest(at));
 }
 
 // Returns a random point of the surface.
-glm::dvec3 anywhere(const Candidates& onSurface, std::uint64_t seed, std::size_t number) {
+IndexPoint anywhere(const Candidates& onSurface, std::uint64_t seed, std::size_t number) {
   const VoxelIndex& voxels = onSurface.voxels();
   for (std::uint64_t i = 0; i < onSurface.drawsForOne(); ++i) {
     const auto found =
@@ -74,12 +74,12 @@ glm::dvec3 anywhere(const Candidates& onSurface, std::uint64_t seed, std::size_t
       voxels.voxelAt(voxels.at(randomBelow(voxels.total(), seed, Stage::impactVoxel, number))));
 }
 
-glm::dvec3 aimedPoint(const Impact& impact, std::size_t number, const Solid& solid,
+IndexPoint aimedPoint(const Impact& impact, std::size_t number, const Solid& solid,
                       std::uint64_t seed, const VoxelIndex& inside, const Candidates& onSurface) {
   if (const auto* ray = std::get_if<Ray>(&impact.target)) {
     return pointOnRay(*ray, number, solid, inside, onSurface.voxels());
   }
-  if (const auto* point = std::get_if<glm::dvec3>(&impact.target)) {
+  if (const auto* point = std::get_if<WorldPoint>(&impact.target)) {
     return pointNearest(*point, number, solid, onSurface.voxels());
   }
   return anywhere(onSurface, seed, number);
@@ -206,7 +206,7 @@ std::vector<AimedImpact> aim(const Solid& solid, const VoxelComponents& componen
   return aimedImpacts;
 }
 
-std::optional<glm::dvec3> firstImpact(const Solid& solid, const SeedOptions& options) {
+std::optional<IndexPoint> firstImpact(const Solid& solid, const SeedOptions& options) {
   if (options.impacts.empty()) return {};
   const std::vector<std::uint64_t> surface = surfaceMask(*solid.blocks);
   const VoxelIndex inside(*solid.blocks, solid.blocks->inside), onSurface(*solid.blocks, surface);
@@ -218,7 +218,7 @@ void requireNearImpacts(const Solid& solid, std::span<const Impact> impacts) {
   std::optional<VoxelIndex> surface;
   const std::vector<std::uint64_t> mask = surfaceMask(*solid.blocks);
   for (std::size_t i = 0; i < impacts.size(); ++i) {
-    const auto* const target = std::get_if<glm::dvec3>(&impacts[i].target);
+    const auto* const target = std::get_if<WorldPoint>(&impacts[i].target);
     if (target == nullptr) continue;
     if (!surface) surface.emplace(*solid.blocks, mask);
     const glm::dvec3 center = pointNearest(*target, i, solid, *surface);

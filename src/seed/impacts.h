@@ -36,7 +36,7 @@ struct AimedImpact {
 
 /// Returns the center of the first of the options' impacts, index space, if there are any.
 ///   throws  Error(usage) a ray that misses
-[[nodiscard]] std::optional<glm::dvec3> firstImpact(const Solid& solid, const SeedOptions& options);
+[[nodiscard]] std::optional<IndexPoint> firstImpact(const Solid& solid, const SeedOptions& options);
 
 /// Refuses points that are farther from the surface than kMostImpactDistance: they are not meant
 /// for where they would strike.

@@ -13,12 +13,12 @@
 
 namespace sherd {
 
-bool SolidRegion::isWithin(const glm::dvec3& point, double reach) const {
+bool SolidRegion::isWithin(const IndexPoint& point, double reach) const {
   const double distance = surface_->nearest(point, halfThickness_ + reach).distance;
   return std::abs(distance - halfThickness_) < reach;
 }
 
-bool SolidRegion::isAtClosedHole(const glm::dvec3& point) const {
+bool SolidRegion::isAtClosedHole(const IndexPoint& point) const {
   if (firstClosing_ == TriangleTree::kNone) return false;
   const TriangleTree::Nearest nearest =
       surface_->nearest(point, std::numeric_limits<double>::infinity());
@@ -26,7 +26,7 @@ bool SolidRegion::isAtClosedHole(const glm::dvec3& point) const {
          surface_->source(nearest.triangle) >= firstClosing_;
 }
 
-glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
+IndexPoint SolidRegion::onSurface(const IndexPoint& anywhere) const {
   constexpr double kFar = 1e9;  // voxels; squares of more could overflow
   const glm::dvec3 point = glm::clamp(anywhere, -kFar, kFar);
   const TriangleTree::Nearest nearest =
@@ -39,7 +39,7 @@ glm::dvec3 SolidRegion::onSurface(const glm::dvec3& anywhere) const {
   return on + halfThickness_ / apart * (point - on);
 }
 
-std::optional<glm::dvec3> SolidRegion::firstHit(const glm::dvec3& origin,
+std::optional<IndexPoint> SolidRegion::firstHit(const IndexPoint& origin,
                                                 const glm::dvec3& direction) const {
   // The longest component becomes 1, so that nothing overflows.
   const glm::dvec3 along =

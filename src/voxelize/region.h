@@ -1,6 +1,7 @@
 // What a solid was made from: decides about points of space, whatever the voxels.
 #pragma once
 
+#include <sherd/coords.h>
 #include <sherd/solid.h>
 
 #include <functional>
@@ -26,7 +27,7 @@ class SolidRegion {
   ///                  whose thickness is a number of voxels: the region is a layer then that every
   ///                  resolution has, and its half thickness 0
   SolidRegion(const glm::dvec3& sides, std::shared_ptr<const TriangleTree> surface,
-              std::function<bool(const glm::dvec3&)> contains, double halfThickness,
+              std::function<bool(const IndexPoint&)> contains, double halfThickness,
               bool isAsVoxels, std::uint32_t firstClosing = TriangleTree::kNone)
       : sides_(sides),
         surface_(std::move(surface)),
@@ -37,7 +38,7 @@ class SolidRegion {
 
   [[nodiscard]] const glm::dvec3& sides() const { return sides_; }
 
-  [[nodiscard]] bool contains(const glm::dvec3& point) const { return contains_(point); }
+  [[nodiscard]] bool contains(const IndexPoint& point) const { return contains_(point); }
 
   /// Returns the solid of the whole mesh on which cracks are decided, or null.
   [[nodiscard]] const std::shared_ptr<CanonicalSolid>& canonical() const { return canonical_; }
@@ -53,22 +54,22 @@ class SolidRegion {
   }
 
   /// Returns whether the surface is less than `reach` away.
-  [[nodiscard]] bool isWithin(const glm::dvec3& point, double reach) const;
+  [[nodiscard]] bool isWithin(const IndexPoint& point, double reach) const;
 
   /// Returns the point of the surface that is nearest.
-  [[nodiscard]] glm::dvec3 onSurface(const glm::dvec3& point) const;
+  [[nodiscard]] IndexPoint onSurface(const IndexPoint& point) const;
 
   /// Returns whether the part of the surface that is nearest closes a hole.
-  [[nodiscard]] bool isAtClosedHole(const glm::dvec3& point) const;
+  [[nodiscard]] bool isAtClosedHole(const IndexPoint& point) const;
 
   /// Returns where a ray first meets the surface.
-  [[nodiscard]] std::optional<glm::dvec3> firstHit(const glm::dvec3& origin,
+  [[nodiscard]] std::optional<IndexPoint> firstHit(const IndexPoint& origin,
                                                    const glm::dvec3& direction) const;
 
  private:
   glm::dvec3 sides_;
   std::shared_ptr<const TriangleTree> surface_;
-  std::function<bool(const glm::dvec3&)> contains_;
+  std::function<bool(const IndexPoint&)> contains_;
   double halfThickness_;
   bool isAsVoxels_;
   std::uint32_t firstClosing_;

@@ -131,12 +131,12 @@ struct Reader {
   const PlyElement* face = find(header, "face");
   const PlyElement* strips = find(header, "tristrips");
   std::size_t vertexCount = vertex == nullptr ? 0 : vertex->count;
-  bool vertexColors = has(vertex, {Role::red, Role::green, Role::blue});
-  bool faceColors = !vertexColors && has(face, {Role::red, Role::green, Role::blue});
-  bool cornerTexcoords = has(face, {Role::texcoords});
-  bool vertexTexcoords = !cornerTexcoords && has(vertex, {Role::u, Role::v});
-  bool byMaterial = has(face, {Role::material});
-  bool hasNeighbors = has(face, {Role::neighbor}) && strips == nullptr;
+  bool vertexColors = hasRoles(vertex, {Role::red, Role::green, Role::blue});
+  bool faceColors = !vertexColors && hasRoles(face, {Role::red, Role::green, Role::blue});
+  bool cornerTexcoords = hasRoles(face, {Role::texcoords});
+  bool vertexTexcoords = !cornerTexcoords && hasRoles(vertex, {Role::u, Role::v});
+  bool byMaterial = hasRoles(face, {Role::material});
+  bool hasNeighbors = hasRoles(face, {Role::neighbor}) && strips == nullptr;
   // Beside neighbors they are Sherd's, means that include the faces of cracks.
   bool vertexNormals = !hasNeighbors && hasRoles(vertex, {Role::nx, Role::ny, Role::nz});
 

@@ -183,13 +183,13 @@ void Seams::takeCorners(const TriangleMesh& mesh, const std::vector<Charts::Seam
   corners_ = TriangleTree(points);
 }
 
-std::optional<glm::dvec3> Seams::cornerNear(const glm::dvec3& point, double reach) const {
+std::optional<IndexPoint> Seams::cornerNear(const IndexPoint& point, double reach) const {
   const TriangleTree::Nearest found = corners_.nearest(point, reach);
   if (found.triangle == TriangleTree::kNone) return std::nullopt;
   return corners_.corners(found.triangle)[0];
 }
 
-Seams::Foot Seams::nearest(const glm::dvec3& point) const {
+Seams::Foot Seams::nearest(const IndexPoint& point) const {
   // Without a guess, which would decide between triangles at one distance.
   const std::uint32_t triangle = near_.nearest(point, kInfinity).triangle;
   if (triangle == TriangleTree::kNone) return {};
@@ -201,7 +201,7 @@ Seams::Foot Seams::nearest(const glm::dvec3& point) const {
 
 // Beyond a convex edge both its triangles are equally near: the one is meant whose plane is farther
 // away, as the plane between them decides.
-std::uint32_t Seams::betterOf(const Foot& foot, const glm::dvec3& point) const {
+std::uint32_t Seams::betterOf(const Foot& foot, const IndexPoint& point) const {
   const auto height = [&](std::uint32_t triangle) {
     const std::array<glm::dvec3, 3> v = near_.corners(triangle);
     const glm::dvec3 normal = unitOrZero(glm::cross(v[1] - v[0], v[2] - v[0]));
@@ -218,7 +218,7 @@ std::uint32_t Seams::betterOf(const Foot& foot, const glm::dvec3& point) const {
   return foot.triangle;
 }
 
-Seams::Side Seams::sideOf(const Foot& begin, const glm::dvec3& middle, double reach) const {
+Seams::Side Seams::sideOf(const Foot& begin, const IndexPoint& middle, double reach) const {
   Side side{chart_[begin.triangle], meetsItself_[begin.triangle], {}, this};
   if (!side.isPart) return side;
   std::vector<std::uint32_t> found{begin.triangle};
@@ -278,7 +278,7 @@ double Seams::between(const Line& line, const Side& side, double low, std::uint3
   }
 }
 
-std::optional<double> Seams::crossing(const glm::dvec3& begin, const glm::dvec3& end) const {
+std::optional<double> Seams::crossing(const IndexPoint& begin, const IndexPoint& end) const {
   const Line line{begin, end};
   const double length = line.length();
   if (!(length > 3.0 * kOnSeam)) return std::nullopt;

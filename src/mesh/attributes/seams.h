@@ -2,6 +2,7 @@
 // passes them.
 #pragma once
 
+#include <sherd/coords.h>
 #include <sherd/mesh.h>
 
 #include <array>
@@ -46,22 +47,22 @@ class Seams {
   [[nodiscard]] bool areLinear() const { return areLinear_; }
 
   /// Returns the distance to the nearest seam if it is below kReach, else infinity.
-  [[nodiscard]] double distance(const glm::dvec3& point) const {
+  [[nodiscard]] double distance(const IndexPoint& point) const {
     return edges_.nearest(point, kReach).distance;
   }
 
   /// Returns whether a seam is less than kReach from a ball.
-  [[nodiscard]] bool isNear(const glm::dvec3& center, double radius) const {
+  [[nodiscard]] bool isNear(const IndexPoint& center, double radius) const {
     return edges_.nearest(center, radius + kReach + 1e-6).triangle != TriangleTree::kNone;
   }
 
   /// Returns the chart at a point at most kReach from a seam; kNoTriangle for a small one.
-  [[nodiscard]] std::uint32_t chartAt(const glm::dvec3& point) const {
+  [[nodiscard]] std::uint32_t chartAt(const IndexPoint& point) const {
     return chart_[nearest(point).triangle];
   }
 
   /// Returns the same, but kNoTriangle for a chart that meets itself.
-  [[nodiscard]] std::uint32_t sideAt(const glm::dvec3& point) const {
+  [[nodiscard]] std::uint32_t sideAt(const IndexPoint& point) const {
     const std::uint32_t triangle = nearest(point).triangle;
     return meetsItself_[triangle] ? kNoTriangle : chart_[triangle];
   }
@@ -74,14 +75,14 @@ class Seams {
   /// Returns where a line passes a seam, 0..1, if it does so more than kOnSeam from its ends: the
   /// triangles nearest to both sides of the place are not connected near the line.  Of several
   /// seams it is one.  None for a line along a seam.
-  [[nodiscard]] std::optional<double> crossing(const glm::dvec3& begin,
-                                               const glm::dvec3& end) const;
+  [[nodiscard]] std::optional<double> crossing(const IndexPoint& begin,
+                                               const IndexPoint& end) const;
 
   /// Returns the nearest vertex where a seam turns or several meet, if one is within `reach`.
-  [[nodiscard]] std::optional<glm::dvec3> cornerNear(const glm::dvec3& point, double reach) const;
+  [[nodiscard]] std::optional<IndexPoint> cornerNear(const IndexPoint& point, double reach) const;
 
   /// Returns the triangle of the mesh that is nearest to a point at most kReach from a seam.
-  [[nodiscard]] std::uint32_t triangleAt(const glm::dvec3& point) const {
+  [[nodiscard]] std::uint32_t triangleAt(const IndexPoint& point) const {
     return source_[nearest(point).triangle];
   }
 
@@ -98,9 +99,9 @@ class Seams {
   void takeTriangles(const TriangleMesh& mesh, const Charts& charts,
                      const std::vector<double>& areas);
   void takeCorners(const TriangleMesh& mesh, const std::vector<Charts::Seam>& seams);
-  [[nodiscard]] Foot nearest(const glm::dvec3& point) const;
-  [[nodiscard]] std::uint32_t betterOf(const Foot& foot, const glm::dvec3& point) const;
-  [[nodiscard]] Side sideOf(const Foot& begin, const glm::dvec3& middle, double reach) const;
+  [[nodiscard]] Foot nearest(const IndexPoint& point) const;
+  [[nodiscard]] std::uint32_t betterOf(const Foot& foot, const IndexPoint& point) const;
+  [[nodiscard]] Side sideOf(const Foot& begin, const IndexPoint& middle, double reach) const;
   [[nodiscard]] std::optional<double> onEdge(const Line& line, double low, std::uint32_t lowIn,
                                              double high, std::uint32_t highIn) const;
   [[nodiscard]] double between(const Line& line, const Side& side, double low, std::uint32_t lowIn,

@@ -19,18 +19,18 @@ namespace sherd {
 /// The number of pieces per volume at each point, up to a factor.  Thread-safe.
 class DensityField {
  public:
-  ///   at    of a point in world units, 0..most
+  ///   at    of a point, 0..most
   ///   most  above 0, finite
-  DensityField(std::function<double(const glm::dvec3&)> at, double most)
+  DensityField(std::function<double(const WorldPoint&)> at, double most)
       : at_(std::move(at)), most_(most) {}
 
-  [[nodiscard]] double at(const glm::dvec3& world) const { return at_(world); }
+  [[nodiscard]] double at(const WorldPoint& p) const { return at_(p); }
 
   /// Returns an upper bound of `at`.
   [[nodiscard]] double most() const { return most_; }
 
  private:
-  std::function<double(const glm::dvec3&)> at_;
+  std::function<double(const WorldPoint&)> at_;
   double most_;
 };
 
@@ -57,13 +57,12 @@ class DensityTest {
   [[nodiscard]] bool hasField() const { return field_ != nullptr; }
 
   /// Returns the density, as a share of the largest.
-  ///   point  in index space
-  [[nodiscard]] double at(const glm::dvec3& point) const {
+  [[nodiscard]] double at(const IndexPoint& point) const {
     return field_ == nullptr ? 1.0 : field_->at(frame_.worldFromIndex(point)) / field_->most();
   }
 
   ///   item  number of the draw
-  [[nodiscard]] bool accepts(const glm::dvec3& point, std::uint64_t item) const {
+  [[nodiscard]] bool accepts(const IndexPoint& point, std::uint64_t item) const {
     return field_ == nullptr || randomUnit(seed_, Stage::seedDensity, item) < at(point);
   }
 

@@ -17,7 +17,7 @@ Walls::Walls(const Solid& solid) : solid_(solid) {
 }
 
 // In voxels, linear between the voxels' centers.
-double Walls::distance(const glm::dvec3& point) const {
+double Walls::distance(const IndexPoint& point) const {
   const glm::dvec3 low = glm::floor(point), f = point - low;
   double sum = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -30,7 +30,7 @@ double Walls::distance(const glm::dvec3& point) const {
   return sum / solid_.frame.voxelSize;
 }
 
-glm::dvec3 Walls::gradient(const glm::dvec3& point) const {
+glm::dvec3 Walls::gradient(const IndexPoint& point) const {
   glm::dvec3 slope(0.0);
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 step(0.0);
@@ -41,8 +41,8 @@ glm::dvec3 Walls::gradient(const glm::dvec3& point) const {
 }
 
 // Returns the point a voxel away along an axis that is nearest to the surface, if one is nearer.
-std::optional<glm::dvec3> Walls::towardsSurface(const glm::dvec3& point) const {
-  std::optional<glm::dvec3> best;
+std::optional<IndexPoint> Walls::towardsSurface(const IndexPoint& point) const {
+  std::optional<IndexPoint> best;
   double greatest = distance(point) + 0.25;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double step : {1.0, -1.0}) {
@@ -57,7 +57,7 @@ std::optional<glm::dvec3> Walls::towardsSurface(const glm::dvec3& point) const {
   return best;
 }
 
-std::optional<glm::dvec3> Walls::onSurface(const glm::dvec3& point) const {
+std::optional<IndexPoint> Walls::onSurface(const IndexPoint& point) const {
   if (solid_.region && solid_.region->boundary() != nullptr) {
     return solid_.region->onSurface(point);
   }
@@ -67,7 +67,7 @@ std::optional<glm::dvec3> Walls::onSurface(const glm::dvec3& point) const {
     const glm::dvec3 slope = gradient(at);
     const double square = glm::dot(slope, slope);
     if (square < 0.1) {  // far from the surface, or in the middle of a wall: leave the middle
-      const std::optional<glm::dvec3> beside = i == 0 ? towardsSurface(at) : std::nullopt;
+      const std::optional<IndexPoint> beside = i == 0 ? towardsSurface(at) : std::nullopt;
       if (!beside) return {};
       at = *beside;
       continue;
@@ -77,11 +77,11 @@ std::optional<glm::dvec3> Walls::onSurface(const glm::dvec3& point) const {
   return at;
 }
 
-std::optional<Wall> Walls::at(const glm::dvec3& point, double most) const {
+std::optional<Wall> Walls::at(const IndexPoint& point, double most) const {
   if (!valueAt_) return {};
   constexpr double kFar = 1e6;  // voxels
   if (!(std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) < kFar)) return {};
-  const std::optional<glm::dvec3> surface = onSurface(point);
+  const std::optional<IndexPoint> surface = onSurface(point);
   if (!surface || glm::length(*surface - point) > most) return {};
   const glm::dvec3 slope = gradient(*surface);
   if (glm::length(slope) < 0.1) return {};
@@ -106,24 +106,24 @@ std::optional<Wall> Walls::at(const glm::dvec3& point, double most) const {
   return wall;
 }
 
-glm::dvec3 Walls::normalAt(const glm::dvec3& point) const {
+glm::dvec3 Walls::normalAt(const IndexPoint& point) const {
   if (!valueAt_) return glm::dvec3(0.0);
   const glm::dvec3 slope = gradient(onSurface(point).value_or(point));
   const double length = glm::length(slope);
   return length > 0.1 ? slope / length : glm::dvec3(0.0);
 }
 
-std::vector<glm::dvec3> Walls::walk(const glm::dvec3& from, const glm::dvec3& direction,
+std::vector<IndexPoint> Walls::walk(const IndexPoint& from, const glm::dvec3& direction,
                                     const std::vector<double>& lengths) const {
   constexpr double kMostAway = 0.35;  // of a step: beyond an edge the surface falls away
   constexpr double kMostBend = 0.8;   // cosine of the angle between two steps
-  std::vector<glm::dvec3> points;
+  std::vector<IndexPoint> points;
   glm::dvec3 at = from, along = glm::normalize(direction);
   double walked = 0.0;
   while (points.size() < lengths.size()) {
     const double step = std::min(lengths[points.size()] - walked, 1.0);
     const glm::dvec3 ahead = at + step * along;
-    const std::optional<glm::dvec3> next = onSurface(ahead);
+    const std::optional<IndexPoint> next = onSurface(ahead);
     if (!next || glm::length(*next - ahead) > kMostAway * std::max(step, 0.5)) break;
     const glm::dvec3 moved = *next - at;
     const double advance = glm::length(moved);
@@ -138,7 +138,7 @@ std::vector<glm::dvec3> Walls::walk(const glm::dvec3& from, const glm::dvec3& di
   return points;
 }
 
-glm::dvec3 wallMiddle(const Walls& walls, const glm::dvec3& point, double most) {
+IndexPoint wallMiddle(const Walls& walls, const IndexPoint& point, double most) {
   const std::optional<Wall> wall = walls.at(point, most);
   return wall ? wall->middle : point;
 }
@@ -220,7 +220,7 @@ bool isInThinWall(const SolidRegion& region, const glm::dvec3& point, double mos
   const double step = 1e-4 * std::max({sides.x, sides.y, sides.z});
   glm::dvec3 at = point;
   for (int i = 0; i < 16; ++i) {
-    const std::optional<glm::dvec3> hit = region.firstHit(at, inward);
+    const std::optional<IndexPoint> hit = region.firstHit(at, inward);
     if (!hit || depth + glm::distance(point, *hit) > most) return false;
     at = *hit + step * inward;
     if (!region.contains(at)) return true;

@@ -11,12 +11,12 @@
 
 namespace sherd {
 
-/// A place of a wall, in index space.
+/// A place of a wall.
 struct Wall {
-  glm::dvec3 surface{0.0};  ///< on the nearest surface
-  glm::dvec3 normal{0.0};   ///< there, outward
-  glm::dvec3 middle{0.0};   ///< half way to the surface opposite
-  double thickness = 0.0;   ///< to the surface opposite, along the normal, voxels
+  IndexPoint surface{};    ///< on the nearest surface
+  glm::dvec3 normal{0.0};  ///< there, outward
+  IndexPoint middle{};     ///< half way to the surface opposite
+  double thickness = 0.0;  ///< to the surface opposite, along the normal, voxels
 };
 
 /// Looks for walls by the solid's level set, and its mesh where that bounds it.  Use it from one
@@ -28,31 +28,31 @@ class Walls {
 
   /// Returns the wall at a point near the solid, or nothing where it is thicker than `most` voxels,
   /// or the level set does not reach.
-  [[nodiscard]] std::optional<Wall> at(const glm::dvec3& point, double most) const;
+  [[nodiscard]] std::optional<Wall> at(const IndexPoint& point, double most) const;
 
   /// Returns the normal of the surface nearest to a point, outward; of length 0 where there is
   /// none.
-  [[nodiscard]] glm::dvec3 normalAt(const glm::dvec3& point) const;
+  [[nodiscard]] glm::dvec3 normalAt(const IndexPoint& point) const;
 
   /// Walks along the surface, as straight as it is: each step goes on in the direction of the one
   /// before, and back onto the surface.
   ///   lengths  ascending, voxels
   ///   return   the points at these lengths; fewer where the surface ends or bends sharply
-  [[nodiscard]] std::vector<glm::dvec3> walk(const glm::dvec3& from, const glm::dvec3& direction,
+  [[nodiscard]] std::vector<IndexPoint> walk(const IndexPoint& from, const glm::dvec3& direction,
                                              const std::vector<double>& lengths) const;
 
  private:
-  [[nodiscard]] double distance(const glm::dvec3& point) const;
-  [[nodiscard]] glm::dvec3 gradient(const glm::dvec3& point) const;
-  [[nodiscard]] std::optional<glm::dvec3> towardsSurface(const glm::dvec3& point) const;
-  [[nodiscard]] std::optional<glm::dvec3> onSurface(const glm::dvec3& point) const;
+  [[nodiscard]] double distance(const IndexPoint& point) const;
+  [[nodiscard]] glm::dvec3 gradient(const IndexPoint& point) const;
+  [[nodiscard]] std::optional<IndexPoint> towardsSurface(const IndexPoint& point) const;
+  [[nodiscard]] std::optional<IndexPoint> onSurface(const IndexPoint& point) const;
 
   const Solid& solid_;
   std::function<float(const openvdb::Coord&)> valueAt_;  // empty without a level set
 };
 
 /// Moves a point into the middle of its wall, or nowhere where that is thicker than `most` voxels.
-[[nodiscard]] glm::dvec3 wallMiddle(const Walls& walls, const glm::dvec3& point, double most);
+[[nodiscard]] IndexPoint wallMiddle(const Walls& walls, const IndexPoint& point, double most);
 
 /// Returns below which thickness a wall is thin for this number of pieces, in voxels: the side of a
 /// cube of a piece's volume.  Pieces of a thinner wall are wider than it is thick.

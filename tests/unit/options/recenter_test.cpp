@@ -121,7 +121,7 @@ TEST(Recenter, WhatOptionsPlaceMovesWithTheObject) {
       std::make_shared<const DensityField>([](const glm::dvec3& at) { return at.x; }, 10.0);
   const glm::dvec3 by(0.5, 1.0, 2.0);
   const FractureOptions after = moved(options, by);
-  EXPECT_EQ(std::get<glm::dvec3>(after.seeds.impacts[0].target), glm::dvec3(1.5, 2.0, 3.0));
+  EXPECT_EQ(std::get<WorldPoint>(after.seeds.impacts[0].target), glm::dvec3(1.5, 2.0, 3.0));
   const Ray ray = std::get<Ray>(after.seeds.impacts[1].target);
   EXPECT_EQ(ray.origin, glm::dvec3(2.5, 3.0, 4.0));
   EXPECT_EQ(ray.direction, glm::dvec3(0.0, 0.0, 1.0));

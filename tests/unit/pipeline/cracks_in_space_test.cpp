@@ -222,7 +222,7 @@ std::vector<glm::dvec3> centersOf(const FractureResult& result, double side) {
   result.labels.blocks->forEachInside([&](std::size_t voxel) {
     const std::size_t at = result.labels.fragment[voxel] - std::size_t{1};
     const openvdb::Coord c = result.labels.blocks->voxelAt(voxel);
-    sums[at] += result.solid.frame.worldFromIndex(glm::dvec3(c.x(), c.y(), c.z()));
+    sums[at] += glm::dvec3(result.solid.frame.worldFromIndex(c));
     counts[at] += 1.0;
   });
   for (std::size_t i = 0; i < sums.size(); ++i) sums[i] /= counts[i] * side;

@@ -162,7 +162,7 @@ TEST_F(Densities, AreFollowedWhereDrawsDoNotSuffice) {
   SeedOptions options{.pieces = 60, .seed = 1};
   options.density = {"f.vdb", gridDensity(grid)};
   for (const Seed& seed : placeSeeds(solid, components, options)) {
-    const glm::dvec3 at = glm::abs(solid.frame.worldFromIndex(pointOf(seed)));
+    const glm::dvec3 at = glm::abs(glm::dvec3(solid.frame.worldFromIndex(pointOf(seed))));
     EXPECT_LT(std::max({at.x, at.y, at.z}), 3.0 * 0.02 + 0.02);
   }
   options.pieces = 2000;

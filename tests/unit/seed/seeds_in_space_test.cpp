@@ -62,7 +62,7 @@ TEST_F(SeedsInSpace, EveryFillDecidesByTheMesh) {
                         fine = preparedSolid(mesh, 97, device(), fill);
     expectSame(coarse, fine, {.pieces = 100, .seed = 1});
     for (const Seed& seed : seedsOf(fine, {.pieces = 100, .seed = 1})) {
-      const double r = glm::length(fine.solid.frame.worldFromIndex(pointOf(seed)));
+      const double r = glm::length(glm::dvec3(fine.solid.frame.worldFromIndex(pointOf(seed))));
       const double slack = 2.0 * fine.solid.frame.voxelSize;
       EXPECT_TRUE(r > 0.5 - slack && r < 1.0 + slack) << r;
     }

@@ -49,7 +49,8 @@ TEST(Walls, OfAShellLieBetweenItsSurfaces) {
     const glm::dvec3 out(r * std::cos(turn), r * std::sin(turn), z);
     for (const double depth : {0.905, 0.93, 0.97, 0.995}) {
       const glm::dvec3 middle = wallMiddle(walls, solid.frame.indexFromWorld(depth * out), 0.2 / h);
-      EXPECT_NEAR(glm::length(solid.frame.worldFromIndex(middle)), 0.95, 0.2 * h) << depth;
+      EXPECT_NEAR(glm::length(glm::dvec3(solid.frame.worldFromIndex(middle))), 0.95, 0.2 * h)
+          << depth;
       EXPECT_NEAR(glm::length(solid.frame.worldFromIndex(middle) - 0.95 * out), 0.0, 0.5 * h);
     }
   }
