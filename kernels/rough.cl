@@ -42,17 +42,6 @@ inline ulong lattice_shift(const ulong seed, const int octave) {
   return rough_mixed(seed + ((ulong)(uint)(octave & 0xffff) << 48));
 }
 
-// Spacings per voxel of a lattice along x, y and z, in units of 2^-32.
-struct lattice_steps {
-  long along[3];
-};
-
-inline struct lattice_steps steps_of(const long step, const long propagationStep, const int propagation) {
-  struct lattice_steps steps;
-  for (int axis = 0; axis < 3; ++axis) steps.along[axis] = axis == propagation ? propagationStep : step;
-  return steps;
-}
-
 // Returns the coordinate of a voxel's center in the lattice, in units of 2^-32 spacings: the high word is the cell, the
 // low word the position in it.
 inline long in_lattice(const int voxel, const long step, const ulong shift, const int axis) {
@@ -110,19 +99,18 @@ inline int8 blend_row(const int* line, const int cells, const int8 cell, const i
 }
 
 // Adds an octave to a leaf's displacements, [axis*64 + x*8 + y] rows along z in 1/256 voxel.
-inline void add_octave(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
-                       const int4 leafLow, int8* displacement) {
-  const ulong shift = lattice_shift(seed, octave);
-  const struct lattice_span alongX = span_of(leafLow.x, steps.along[0], shift, 0),
-                            alongY = span_of(leafLow.y, steps.along[1], shift, 1),
-                            alongZ = span_of(leafLow.z, steps.along[2], shift, 2);
+inline void add_octave(const ulong seed, const struct sherd_octave octave, const int4 leafLow, int8* displacement) {
+  const ulong shift = lattice_shift(seed, octave.number);
+  const struct lattice_span alongX = span_of(leafLow.x, octave.step[0], shift, 0),
+                            alongY = span_of(leafLow.y, octave.step[1], shift, 1),
+                            alongZ = span_of(leafLow.z, octave.step[2], shift, 2);
   int lattice[3][ROUGH_POINTS * ROUGH_POINTS * ROUGH_POINTS];
   for (int i = 0; i <= alongX.cells; ++i) {
     for (int j = 0; j <= alongY.cells; ++j) {
       for (int k = 0; k <= alongZ.cells; ++k) {
-        const ulong bits = lattice_bits(seed, octave, alongX.low + i, alongY.low + j, alongZ.low + k);
+        const ulong bits = lattice_bits(seed, octave.number, alongX.low + i, alongY.low + j, alongZ.low + k);
         for (int axis = 0; axis < 3; ++axis) {
-          lattice[axis][(i * ROUGH_POINTS + j) * ROUGH_POINTS + k] = lattice_value(bits, axis, amplitude);
+          lattice[axis][(i * ROUGH_POINTS + j) * ROUGH_POINTS + k] = lattice_value(bits, axis, octave.amplitude);
         }
       }
     }
@@ -213,15 +201,15 @@ struct displacement_bounds {
 
 // Narrows bounds that include an octave by its amplitude to its range in the leaf.  Within a lattice cell the octave is
 // monotone along each axis, so its extremes are at the ends of the leaf or at the lattice points between.
-inline void narrow_bounds(const ulong seed, const int octave, const struct lattice_steps steps, const int amplitude,
-                          const int4 leafLow, struct displacement_bounds* bounds) {
+inline void narrow_bounds(const ulong seed, const struct sherd_octave octave, const int4 leafLow,
+                          struct displacement_bounds* bounds) {
   // The leaf may span more than two cells: their range is nearly the amplitude.
-  if (7 * max(steps.along[0], max(steps.along[1], steps.along[2])) > (1l << 32)) return;
-  const ulong shift = lattice_shift(seed, octave);
+  if (7 * max(octave.step[0], max(octave.step[1], octave.step[2])) > (1l << 32)) return;
+  const ulong shift = lattice_shift(seed, octave.number);
   const int voxel[3] = {leafLow.x, leafLow.y, leafLow.z};
   int low[3], cells[3], t[8] = {0, 0, 0, 0, 0, 0, 0, 0};
   for (int axis = 0; axis < 3; ++axis) {
-    const long step = steps.along[axis];
+    const long step = octave.step[axis];
     const long first = in_lattice(voxel[axis], step, shift, axis), last = first + 7 * step;
     low[axis] = (int)(first >> 32);
     cells[axis] = (int)(last >> 32) - low[axis] + 1;
@@ -238,15 +226,15 @@ inline void narrow_bounds(const ulong seed, const int octave, const struct latti
   for (int i = 0; i <= cells[0]; ++i) {
     for (int j = 0; j <= cells[1]; ++j) {
       for (int k = 0; k <= cells[2]; ++k) {
-        const ulong bits = lattice_bits(seed, octave, low[0] + i, low[1] + j, low[2] + k);
+        const ulong bits = lattice_bits(seed, octave.number, low[0] + i, low[1] + j, low[2] + k);
         for (int axis = 0; axis < 3; ++axis) {
-          lattice[axis][(i * 3 + j) * 3 + k] = lattice_value(bits, axis, amplitude);
+          lattice[axis][(i * 3 + j) * 3 + k] = lattice_value(bits, axis, octave.amplitude);
         }
       }
     }
   }
   // Blends round down by less than 3 together; weights decrease by at most 6 * 2^-24 where they should rise.
-  const int rounding = 4 + (amplitude >> 18);
+  const int rounding = 4 + (octave.amplitude >> 18);
   const int lastZ = cells[2];
   for (int axis = 0; axis < 3; ++axis) {
     int4 rows[3 * 3];
@@ -257,7 +245,7 @@ inline void narrow_bounds(const ulong seed, const int octave, const struct latti
         rows[i * 3 + j] = blend4(near, (int4)(line[1], line[lastZ], line[lastZ], line[lastZ]), weightZ);
       }
     }
-    int4 least = (int4)(amplitude), most = (int4)(-amplitude);
+    int4 least = (int4)(octave.amplitude), most = (int4)(-octave.amplitude);
     for (int x = 0; x <= cells[0]; ++x) {
       const int4* near = rows + (x == 0 ? 0 : cells[0] - 1) * 3;
       int4 plane[3];
@@ -269,31 +257,28 @@ inline void narrow_bounds(const ulong seed, const int octave, const struct latti
         most = max(most, value);
       }
     }
-    bounds->least[axis] += amplitude + least_of(least) - rounding;
-    bounds->most[axis] -= amplitude - most_of(most) - rounding;
+    bounds->least[axis] += octave.amplitude + least_of(least) - rounding;
+    bounds->most[axis] -= octave.amplitude - most_of(most) - rounding;
   }
 }
 
 // Returns whether every walk from a leaf ends less than `rings` leaves away, as far as bounds of the octaves show.
-inline bool walks_end_within(const int rings, const ulong seed, const global long* restrict step,
-                             const global long* restrict propagationStep, const int propagation,
-                             const global int* restrict amplitude, const int firstOctave, const int octaves,
-                             const int4 leafLow, const int4 anchor) {
+inline bool walks_end_within(const int rings, const ulong seed, const global struct sherd_octave* restrict octave,
+                             const uint octaves, const int4 leafLow, const int4 anchor) {
   const int away[3] = {anchor.x, anchor.y, anchor.z};
   int sum = 0;
-  for (int n = 0; n < octaves; ++n) sum += amplitude[n];
+  for (uint n = 0; n < octaves; ++n) sum += octave[n].amplitude;
   struct displacement_bounds bounds;
   for (int axis = 0; axis < 3; ++axis) {
     bounds.least[axis] = 128 - sum - away[axis];  // 128 rounds to the nearest voxel
     bounds.most[axis] = 128 + sum - away[axis];
   }
-  for (int n = 0; n <= octaves; ++n) {
+  for (uint n = 0; n <= octaves; ++n) {
     int most = 0;
     for (int axis = 0; axis < 3; ++axis) most = max(most, leaves_away(bounds.least[axis], bounds.most[axis]));
     if (rings > most) return true;
     if (n == octaves) break;
-    const struct lattice_steps steps = steps_of(step[n], propagationStep[n], propagation);
-    narrow_bounds(seed, firstOctave + n, steps, amplitude[n], leafLow, &bounds);
+    narrow_bounds(seed, octave[n], leafLow, &bounds);
   }
   return false;
 }
@@ -361,39 +346,30 @@ inline void keep_labels(const global ulong* restrict inside, const struct leaf_l
 }
 
 // Returns the displacements of a leaf, [axis*64 + x*8 + y] rows along z in 1/256 voxel, beside `start`.
-inline void displacements_of(const ulong seed, const global long* restrict step,
-                             const global long* restrict propagationStep, const int propagation,
-                             const global int* restrict amplitude, const int firstOctave, const int octaves,
+inline void displacements_of(const ulong seed, const global struct sherd_octave* restrict octave, const uint octaves,
                              const int4 leafLow, const int4 start, int8* displacement) {
   for (int row = 0; row < 64; ++row) {
     displacement[row] = (int8)(start.x);
     displacement[64 + row] = (int8)(start.y);
     displacement[2 * 64 + row] = (int8)(start.z);
   }
-  for (int n = 0; n < octaves; ++n) {
-    add_octave(seed, firstOctave + n, steps_of(step[n], propagationStep[n], propagation), amplitude[n], leafLow,
-               displacement);
-  }
+  for (uint n = 0; n < octaves; ++n) add_octave(seed, octave[n], leafLow, displacement);
 }
 
 // Finds the displacements at some voxels.
 kernel void rough_at(
-    const global int4* restrict voxel,        // [fractures]   w: 0 where there is none
+    const global int4* restrict voxel,                  // [fractures]   w: 0 where there is none
     const uint fractures,
-    const global ulong* restrict noiseSeed,   // as of rough, with the next six
-    const global long* restrict step,
-    const global long* restrict propagationStep,
-    const int propagation,
-    const global int* restrict amplitude,
-    const int firstOctave,
-    const int octaves,
-    global int4* restrict found)              // [fractures]   out: 1/256 voxel, w unused
+    const global ulong* restrict noiseSeed,             // [fractures]
+    const global struct sherd_octave* restrict octave,  // [octaves]
+    const uint octaves,
+    global int4* restrict found)                        // [fractures]   out: 1/256 voxel, w unused
 {
   for (size_t i = get_global_id(0); i < fractures; i += get_global_size(0)) {
     const int4 at = voxel[i];
     int8 displacement[3 * 64];
-    displacements_of(noiseSeed[i], step, propagationStep, propagation, amplitude, firstOctave, at.w != 0 ? octaves : 0,
-                     (int4)(at.x & ~7, at.y & ~7, at.z & ~7, 0), (int4)(0), displacement);
+    displacements_of(noiseSeed[i], octave, at.w != 0 ? octaves : 0, (int4)(at.x & ~7, at.y & ~7, at.z & ~7, 0),
+                     (int4)(0), displacement);
     int along[3][8];
     for (int axis = 0; axis < 3; ++axis) {
       vstore8(displacement[axis * 64 + (at.x & 7) * 8 + (at.y & 7)], 0, along[axis]);
@@ -403,38 +379,33 @@ kernel void rough_at(
 }
 
 kernel void rough(
-    const global ulong* restrict inside,      // [leafCount*8]
-    const global uint* restrict neighbor,     // [leafCount*6]
-    const global uint* restrict neighbors27,  // [leafCount*27]
-    const global int4* restrict origin,       // [leafCount]   lowest voxel, w unused
+    const global ulong* restrict inside,                // [leafCount*8]
+    const global uint* restrict neighbor,               // [leafCount*6]
+    const global uint* restrict neighbors27,            // [leafCount*27]
+    const global int4* restrict origin,                 // [leafCount]   lowest voxel, w unused
     const uint leafCount,
     const uint items,
-    const global ulong* restrict noiseSeed,   // [fractures]
-    const global long* restrict step,         // [octaves]     spacings per voxel, in units of 2^-32, at most 2^31
-    const global long* restrict propagationStep,  // [octaves] the same along the axis of propagation
-    const int propagation,                    // this axis, 0..2
-    const global int* restrict amplitude,     // [octaves]     1/256 voxel, the largest lattice value
-    const int firstOctave,                    // octave k has a least spacing of S / 2^k
-    const int octaves,
-    const global int4* restrict anchor,       // [fractures]   1/256 voxel, subtracted from displacements
-    const global uint* restrict uniformRings,  // [items]      from rough_rings
-    const global uint* restrict full,         // [items]       from rough_leaves
-    LEAF_LABELS,                              // before
-    global ushort* restrict after)            // [items*512]   out
+    const global ulong* restrict noiseSeed,             // [fractures]
+    const global struct sherd_octave* restrict octave,  // [octaves]
+    const uint octaves,
+    const global int4* restrict anchor,                 // [fractures]   1/256 voxel, subtracted from displacements
+    const global uint* restrict uniformRings,           // [items]       from rough_rings
+    const global uint* restrict full,                   // [items]       from rough_leaves
+    LEAF_LABELS,                                        // before
+    global ushort* restrict after)                      // [items*512]   out
 {
   const struct leaf_labels before = {owner, tag, second};
   for (size_t item = get_global_id(0); item < items; item += get_global_size(0)) {
     const uint leaf = (uint)(item % leafCount);
     const ulong seed = noiseSeed[item / leafCount];
     const int4 away = anchor[item / leafCount];
-    if (walks_end_within((int)uniformRings[item], seed, step, propagationStep, propagation, amplitude, firstOctave,
-                         octaves, origin[leaf], away)) {
+    if (walks_end_within((int)uniformRings[item], seed, octave, octaves, origin[leaf], away)) {
       keep_labels(inside, &before, leaf, item, after);
       continue;
     }
     int8 displacement[3 * 64];
-    displacements_of(seed, step, propagationStep, propagation, amplitude, firstOctave, octaves, origin[leaf],
-                     (int4)(128) - away, displacement);  // 128 rounds to the nearest voxel
+    displacements_of(seed, octave, octaves, origin[leaf], (int4)(128) - away,
+                     displacement);  // 128 rounds to the nearest voxel
     int4 last = (int4)(0);  // leaves away of the previous voxel: neighbors mostly end in the same leaf
     uint end = leaf_straight_away(neighbors27, full + (item - leaf), leaf, 0, 0, 0);
     for (int row = 0; row < 64; ++row) {

@@ -6,8 +6,22 @@
 #include <utility>
 #include <vector>
 
+#include "noise_octave.h"
+
 namespace sherd {
 namespace {
+
+std::vector<sherd_octave> octavesOf(const NoiseOctaves& octaves) {
+  std::vector<sherd_octave> all;
+  for (std::size_t n = 0; n < octaves.step.size(); ++n) {
+    sherd_octave& octave =
+        all.emplace_back(sherd_octave{.step = {octaves.step[n], octaves.step[n], octaves.step[n]},
+                                      .amplitude = octaves.amplitude[n],
+                                      .number = octaves.first + static_cast<std::int32_t>(n)});
+    octave.step[octaves.propagation] = octaves.propagationStep[n];
+  }
+  return all;
+}
 
 // Returns how many leaves away a walk can end.
 std::uint32_t leavesReached(std::span<const std::int32_t> amplitudes, bool isAnchored) {
@@ -54,22 +68,19 @@ DeviceBuffer roughened(GrowthState& state, const DeviceLabels& labels, const See
     isAnchored = true;
   }
   const DeviceBuffer noise = uploadBuffer<std::uint64_t>(state.device, noiseSeeds);
-  const DeviceBuffer amplitude = uploadBuffer<std::int32_t>(state.device, octaves.amplitude);
-  const DeviceBuffer step = uploadBuffer<std::int64_t>(state.device, octaves.step);
-  const DeviceBuffer propagationStep =
-      uploadBuffer<std::int64_t>(state.device, octaves.propagationStep);
+  const std::vector<sherd_octave> each = octavesOf(octaves);
+  const DeviceBuffer octave = uploadBuffer<sherd_octave>(state.device, each);
   const DeviceBuffer voxels = uploadBuffer<Int4>(state.device, anchorVoxels);
   const DeviceBuffer anchor = makeBuffer<Int4>(state.device, state.fractures);
-  const auto octaveCount = static_cast<std::int32_t>(octaves.step.size());
-  state.run("rough_at", state.fractures, voxels, state.fractures, noise, step, propagationStep,
-            octaves.propagation, amplitude, octaves.first, octaveCount, anchor);
+  const auto octaveCount = static_cast<std::uint32_t>(octaves.step.size());
+  state.run("rough_at", state.fractures, voxels, state.fractures, noise, octave, octaveCount,
+            anchor);
   const DeviceBuffer out = makeBuffer<std::uint16_t>(state.device, state.voxels());
   const LeafSummaries leaves =
       summarizeLeaves(state, labels, leavesReached(octaves.amplitude, isAnchored));
   state.run("rough", state.items, state.inside, state.neighbor, state.neighbors27(), state.origin(),
-            state.leafCount, state.items, noise, step, propagationStep, octaves.propagation,
-            amplitude, octaves.first, octaveCount, anchor, leaves.uniformRings, leaves.full,
-            labels.owner, labels.tag, labels.second, out);
+            state.leafCount, state.items, noise, octave, octaveCount, anchor, leaves.uniformRings,
+            leaves.full, labels.owner, labels.tag, labels.second, out);
 
   const PrimarySeeds primaries = primariesOf(state, seeds);
   state.run("rough_pin", primaries.count, primaries.item, primaries.offset, primaries.label,
