@@ -63,7 +63,7 @@ sherd_room(sherd interface
 sherd_room(sherd surface/exact
   body_clusters closed_solid cluster_solids crack_surface exact_by_cluster exact_meshes exact_surface kept_meshes labels_beyond
   layer patches settled_labels sheet_middles)
-sherd_room(sherd surface check_finite extract fragment_surfaces label_mesh simplify surface_noise)
+sherd_room(sherd surface boundary_distance check_finite displaced_points extract fragment_surfaces label_mesh simplify surface_noise)
 sherd_room(sherd points
   check_points correspondences eliminate point_sequence sample_distances sample_fragments sample_points signed_distances)
 sherd_room(sherd appearance exact_transfer source_faces transfer weights)

@@ -181,12 +181,12 @@ sherd::SurfaceOptions GrownPieces::surface(bool meshes) const {
   return options;
 }
 
-// Measures fragments by their surfaces before triangles are merged, once; false where meshes alone
-// have them.
+// Measures fragments by the labels' surfaces, once; false where points are not sampled of these.
 bool GrownPieces::measureSurfaces(const Progress& progress) {
-  if (!canLackMeshes(surface(false))) return false;
+  const sherd::SurfaceOptions options = surface(false);
+  if (!samplesLabelSurfaces(options)) return false;
   const std::lock_guard lock(making_);
-  if (!isMeasured_) measureFragments(grown_, grown_.result, &progress);
+  if (!isMeasured_) measureFragments(grown_, grown_.result, options, &progress);
   isMeasured_ = true;
   return true;
 }

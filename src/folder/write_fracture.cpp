@@ -30,7 +30,7 @@ std::vector<MeshFacts> makeAndWrite(GrownFracture& grown, const FractureOptions&
                                     StageClock& clock, const Progress* progress) {
   const SurfaceOptions& surface = options.surface;
   if (!surface.meshes) {
-    measureFragments(grown, result, progress);
+    measureFragments(grown, result, surface, progress);
     clock.done("extract");
     writing.writeAll(progress);
     clock.done("write");

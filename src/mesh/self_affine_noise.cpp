@@ -2,6 +2,7 @@
 #include "mesh/self_affine_noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -56,11 +57,51 @@ glm::dmat3 rotationOf(std::uint64_t seed) {
   }
 }
 
+// The eight lattice values around a position, and where it is between them.
+struct LatticeCell {
+  std::array<double, 8> values{};  // [x + 2 y + 4 z]
+  glm::dvec3 low{0.0};             // 0..1
+};
+
+LatticeCell cellAt(const glm::dvec3& at, std::uint64_t seed) {
+  const glm::dvec3 cell = glm::floor(at);
+  LatticeCell out;
+  out.low = at - cell;
+  for (int corner = 0; corner < 8; ++corner) {
+    out.values[static_cast<std::size_t>(corner)] =
+        latticeValue(seed, static_cast<std::int64_t>(cell.x) + (corner & 1),
+                     static_cast<std::int64_t>(cell.y) + ((corner >> 1) & 1),
+                     static_cast<std::int64_t>(cell.z) + (corner >> 2));
+  }
+  return out;
+}
+
+// Returns the weights along each axis of the values on the low side, of those on the high side.
+std::array<glm::dvec3, 2> weightsOf(const glm::dvec3& low) {
+  const glm::dvec3 weight{latticeWeight(low.x), latticeWeight(low.y), latticeWeight(low.z)};
+  return {weight, 1.0 - weight};
+}
+
+// Returns the sum of the values, each times a weight of each axis.
+double weighted(const LatticeCell& cell, const std::array<glm::dvec3, 2>& x,
+                const std::array<glm::dvec3, 2>& y, const std::array<glm::dvec3, 2>& z) {
+  double sum = 0.0;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    sum += x[corner & 1].x * y[(corner >> 1) & 1].y * z[corner >> 2].z * cell.values[corner];
+  }
+  return sum;
+}
+
 }  // namespace
 
 double latticeWeight(double x) {
   const double t = std::min(std::abs(x), 1.0);
   return 1.0 - t * t * t * (6.0 * t * t - 15.0 * t + 10.0);
+}
+
+double latticeWeightSlope(double x) {
+  const double t = std::min(std::abs(x), 1.0);
+  return std::copysign(30.0 * t * t * (1.0 - t) * (1.0 - t), -x);
 }
 
 SelfAffineNoise::SelfAffineNoise(const SelfAffineShape& shape, std::uint64_t seed) {
@@ -84,20 +125,26 @@ SelfAffineNoise::SelfAffineNoise(const SelfAffineShape& shape, std::uint64_t see
 double SelfAffineNoise::at(const glm::dvec3& position) const {
   double sum = 0.0;
   for (const Octave& octave : octaves_) {
-    const glm::dvec3 at = octave.lattice * position + octave.shift, cell = glm::floor(at);
-    const glm::dvec3 low = at - cell;
-    const glm::dvec3 weight{latticeWeight(low.x), latticeWeight(low.y), latticeWeight(low.z)};
-    double value = 0.0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::ivec3 step{corner & 1, (corner >> 1) & 1, corner >> 2};
-      const glm::dvec3 far(step);
-      const glm::dvec3 w = far + (1.0 - 2.0 * far) * weight;
-      value += w.x * w.y * w.z *
-               latticeValue(octave.seed, static_cast<std::int64_t>(cell.x) + step.x,
-                            static_cast<std::int64_t>(cell.y) + step.y,
-                            static_cast<std::int64_t>(cell.z) + step.z);
-    }
-    sum += octave.amplitude * value;
+    const LatticeCell cell = cellAt(octave.lattice * position + octave.shift, octave.seed);
+    const auto weights = weightsOf(cell.low);
+    sum += octave.amplitude * weighted(cell, weights, weights, weights);
+  }
+  return sum;
+}
+
+SlopedValue SelfAffineNoise::slopedAt(const glm::dvec3& position) const {
+  SlopedValue sum;
+  for (const Octave& octave : octaves_) {
+    const LatticeCell cell = cellAt(octave.lattice * position + octave.shift, octave.seed);
+    const auto weights = weightsOf(cell.low);
+    const glm::dvec3 slope{latticeWeightSlope(cell.low.x), latticeWeightSlope(cell.low.y),
+                           latticeWeightSlope(cell.low.z)};
+    const std::array slopes{slope, -slope};
+    sum.value += octave.amplitude * weighted(cell, weights, weights, weights);
+    const glm::dvec3 along{weighted(cell, slopes, weights, weights),
+                           weighted(cell, weights, slopes, weights),
+                           weighted(cell, weights, weights, slopes)};
+    sum.gradient += octave.amplitude * (along * octave.lattice);
   }
   return sum;
 }

@@ -13,12 +13,21 @@ namespace sherd {
 ///   source  Perlin, Improving noise, 2002
 [[nodiscard]] double latticeWeight(double x);
 
+/// Returns its derivative.
+[[nodiscard]] double latticeWeightSlope(double x);
+
 /// All lengths are in the unit of the positions.
 struct SelfAffineShape {
   double rms = 0.0;       ///< over all of space, >= 0
   double hurst = 0.8;     ///< 0.1..1: heights d apart differ by d^hurst, up to a third of `longest`
   double longest = 1.0;   ///< > 0; heights farther apart are nearly independent
   double shortest = 0.0;  ///< no waves shorter than this; > 0, or as `longest` if that is less
+};
+
+/// A value, and how it changes per unit of length.
+struct SlopedValue {
+  double value = 0.0;
+  glm::dvec3 gradient{0.0};
 };
 
 /// A sum of octaves of value noise on cubic lattices whose spacings are `longest` over powers of
@@ -32,6 +41,9 @@ class SelfAffineNoise {
 
   /// Returns the value at a position.
   [[nodiscard]] double at(const glm::dvec3& position) const;
+
+  /// Returns the same value, with its gradient.
+  [[nodiscard]] SlopedValue slopedAt(const glm::dvec3& position) const;
 
  private:
   struct Octave {

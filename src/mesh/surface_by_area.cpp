@@ -36,8 +36,13 @@ void addArea(std::vector<double>& areaSums, std::size_t firstOfPart, const glm::
 
 // The square root maps the unit square to the triangle uniformly.
 glm::dvec3 SurfaceTriangle::pointIn(double u, double v) const {
+  const auto [a, b, c] = sharesAt(u, v);
+  return a * corner[0] + b * corner[1] + c * corner[2];
+}
+
+std::array<double, 3> SurfaceTriangle::sharesAt(double u, double v) {
   const double root = std::sqrt(u);
-  return (1.0 - root) * corner[0] + root * (1.0 - v) * corner[1] + root * v * corner[2];
+  return {1.0 - root, root * (1.0 - v), root * v};
 }
 
 glm::dvec3 SurfaceTriangle::normal() const { return glm::normalize(areaNormal(corner)); }
@@ -90,6 +95,15 @@ double SurfaceByArea::area(std::size_t triangle) const {
   const Index index = indexOf(triangle);
   const std::span<const double> sums = parts_.areaSums[index.part];
   return index.triangle == 0 ? sums[0] : sums[index.triangle] - sums[index.triangle - 1];
+}
+
+SurfacePoint SurfaceByArea::pointAt(std::size_t triangle, double u, double v) const {
+  const Index index = indexOf(triangle);
+  const SurfaceTriangle t = parts_.triangle(index.part, index.triangle);
+  SurfacePoint point{t.pointIn(u, v), t.normal(), t.neighbor};
+  if (parts_.displace)
+    parts_.displace(index.part, index.triangle, SurfaceTriangle::sharesAt(u, v), point);
+  return point;
 }
 
 // The first sum above the area, so that the triangle's area is above 0.  Rounding may leave none.

@@ -19,8 +19,17 @@ struct SurfaceTriangle {
   /// Returns a point that is uniform in the triangle if u and v are uniform in [0, 1).
   [[nodiscard]] glm::dvec3 pointIn(double u, double v) const;
 
+  /// Returns the shares of the corners in that point.
+  [[nodiscard]] static std::array<double, 3> sharesAt(double u, double v);
+
   /// Returns the unit normal; the triangle must have an area.
   [[nodiscard]] glm::dvec3 normal() const;
+};
+
+/// A point of a surface.
+struct SurfacePoint {
+  glm::dvec3 position{0.0}, normal{0.0};
+  std::uint16_t neighbor = 0;
 };
 
 /// The triangles of a surface, in parts whose areas are summed once for several surfaces.
@@ -29,6 +38,10 @@ struct SurfaceParts {
                                                   ///< the part
   std::function<SurfaceTriangle(std::size_t part, std::size_t triangle)> triangle;
   std::vector<double> ownSums{};  ///< sums that are kept nowhere else
+  /// Displaces a point of a triangle, given by the shares of its corners; null: points stay.
+  std::function<void(std::size_t part, std::size_t triangle, const std::array<double, 3>& shares,
+                     SurfacePoint& point)>
+      displace{};
 };
 
 /// Appends the area of a triangle to the sums of its part.
@@ -58,6 +71,9 @@ class SurfaceByArea {
     const Index index = indexOf(triangle);
     return parts_.triangle(index.part, index.triangle);
   }
+
+  /// Returns a point, see SurfaceTriangle::pointIn, displaced if the parts say so.
+  [[nodiscard]] SurfacePoint pointAt(std::size_t triangle, double u, double v) const;
 
  private:
   struct Index {

@@ -508,9 +508,12 @@ namespace {
 
 std::shared_ptr<const FragmentSurfaces> surfacesOf(const GrownFracture& grown,
                                                    const FractureResult& result,
+                                                   const SurfaceOptions& options,
                                                    const Progress* progress) {
-  return std::make_shared<const FragmentSurfaces>(result.solid, result.labels,
-                                                  grown.unerodedOrNull(), grown.surface, progress);
+  auto surfaces = std::make_shared<FragmentSurfaces>(
+      result.solid, result.labels, grown.unerodedOrNull(), grown.surface, progress);
+  surfaces->displacePoints(SurfaceNoise(options, result.solid, grown.seed), progress);
+  return surfaces;
 }
 
 }  // namespace
@@ -535,9 +538,9 @@ void settle(GrownFracture& grown, const SurfaceOptions& options, const Progress*
 }
 
 void measureFragments(const GrownFracture& grown, FractureResult& result,
-                      const Progress* progress) {
+                      const SurfaceOptions& options, const Progress* progress) {
   reportProgress(progress, "extract", 0.0);
-  result.surfaces = surfacesOf(grown, result, progress);
+  result.surfaces = surfacesOf(grown, result, options, progress);
   result.fragments = measuredFragments(*result.surfaces, result.solid, result.labels,
                                        grown.unerodedOrNull(), progress);
   reportProgress(progress, "extract", 1.0);
@@ -561,7 +564,7 @@ FractureResult extracted(GrownFracture grown, const FractureOptions& options,
     result.unmerged = std::move(all.unmerged);
   } else {
     checkSurfaceOptions(options.surface);
-    measureFragments(grown, result, progress);
+    measureFragments(grown, result, options.surface, progress);
   }
   clock.done("extract");
   result.times = clock.times();

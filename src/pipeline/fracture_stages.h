@@ -105,7 +105,9 @@ struct GrownFracture {
 void settle(GrownFracture& grown, const SurfaceOptions& options, const Progress* progress);
 
 /// Sets the surfaces and the fragments without meshes.
-void measureFragments(const GrownFracture& grown, FractureResult& result, const Progress* progress);
+///   options  of the noise on points
+void measureFragments(const GrownFracture& grown, FractureResult& result,
+                      const SurfaceOptions& options, const Progress* progress);
 
 /// Cut the fragments out.  Thread-safe; does not use the device.
 ///   return  with FractureResult::surfaces also where there are meshes that are neither smoothed

@@ -145,10 +145,10 @@ SurfacePoints PointSequence::points(std::size_t first, std::size_t end) const {
   points.neighbor.reserve(end - first);
   for (std::size_t i = first; i < end; ++i) {
     const Draw draw = draw_(i);
-    const SurfaceTriangle triangle = surface_.at(draw.triangle);
-    points.positions.push_back(triangle.pointIn(draw.u, draw.v));
-    points.normals.push_back(triangle.normal());
-    points.neighbor.push_back(triangle.neighbor);
+    const SurfacePoint point = surface_.pointAt(draw.triangle, draw.u, draw.v);
+    points.positions.push_back(point.position);
+    points.normals.push_back(point.normal);
+    points.neighbor.push_back(point.neighbor);
   }
   return points;
 }

@@ -193,17 +193,14 @@ double crackAdaptivity(const SurfaceOptions& options) {
   return hasNoise(options) ? 0.0 : options.adaptivity;
 }
 
-bool canLackMeshes(const SurfaceOptions& options) {
-  return !options.levelSets && options.surface == Surface::smooth &&
-         options.interface == Interface::shared && options.adaptivity <= 0.0 &&
-         options.triangles.empty() && !smooths(options.smooth.iterations) &&
-         !smooths(options.smooth.boundaryIterations) && !hasNoise(options);
+bool samplesLabelSurfaces(const SurfaceOptions& options) {
+  return options.surface == Surface::smooth && options.adaptivity <= 0.0 &&
+         !smooths(options.smooth.iterations) && !smooths(options.smooth.boundaryIterations);
 }
 
-bool keepsUnmerged(const SurfaceOptions& options) {
-  SurfaceOptions meshesOnly = options;
-  meshesOnly.levelSets = false;
-  return options.points && canLackMeshes(meshesOnly);
+bool canLackMeshes(const SurfaceOptions& options) {
+  return samplesLabelSurfaces(options) && !options.levelSets &&
+         options.interface == Interface::shared && options.triangles.empty() && !hasNoise(options);
 }
 
 void checkSurfaceOptions(const SurfaceOptions& options) {

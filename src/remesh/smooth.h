@@ -30,7 +30,8 @@ void smoothTogether(std::span<LabeledMesh> meshes, const SmoothOptions& options,
 /// Returns whether SurfaceOptions::meshes may be false.
 [[nodiscard]] bool canLackMeshes(const SurfaceOptions& options);
 
-/// Returns whether points are sampled of the surfaces before triangles are merged, if they are.
-[[nodiscard]] bool keepsUnmerged(const SurfaceOptions& options);
+/// Returns whether points are sampled of the labels' surfaces, whatever is made of them: before
+/// triangles are merged, vertices replaced or moved by noise, which then moves the points.
+[[nodiscard]] bool samplesLabelSurfaces(const SurfaceOptions& options);
 
 }  // namespace sherd

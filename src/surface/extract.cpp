@@ -124,7 +124,7 @@ Extraction::Extraction(const Solid& solid, const Labels& labels, const ExtractOp
       labels_(labels),
       uneroded_(options.uneroded),
       surface_(decidedSurface(solid, options, progress)),
-      keepsUnmerged_(keepsUnmerged(options.surface)),
+      keepsUnmerged_(options.surface.points && samplesLabelSurfaces(options.surface)),
       progress_(progress),
       intact_(options.intact),
       seed_(options.seed),
@@ -154,9 +154,12 @@ void Extraction::cutAnew() {
 void Extraction::makeSmooth() {
   cut_->findCreases(solid_, progress_);
   simplification_ = simplificationOf(surface_, solid_, intact_.get());
-  auto shared = std::make_shared<const FragmentSurfaces>(solid_, labels_, uneroded_, cut_,
-                                                         SurfaceVertices::all, progress_);
+  auto made = std::make_shared<FragmentSurfaces>(solid_, labels_, uneroded_, cut_,
+                                                 SurfaceVertices::all, progress_);
+  if (keepsUnmerged_) made->displacePoints(noise_, progress_);
+  std::shared_ptr<const FragmentSurfaces> shared = std::move(made);
   if (!isShared()) {
+    if (keepsUnmerged_) unmerged_ = shared;
     resampled_ = std::move(shared);
     return;
   }

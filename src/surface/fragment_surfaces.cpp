@@ -232,10 +232,6 @@ std::vector<std::vector<Contact>> FragmentSurfaces::contacts(const Solid& solid,
 }
 
 SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {
-  struct Part {
-    std::uint32_t leaf;
-    const InterfaceQuad* quads;  // null: the intact solid's
-  };
   std::vector<Part> own;  // all parts but the last
   SurfaceParts parts;
   std::size_t changed = surface_.gapsOf(id).size();
@@ -272,6 +268,7 @@ SurfaceByArea FragmentSurfaces::byArea(std::uint16_t id) const {
   for (std::size_t i = 0; i < surface_.gapsOf(id).size(); ++i)
     sums.push_back(areaOf(gap(id, i).corner));
   endPart(first);
+  if (noise_) parts.displace = displacementOf(id, own);
   parts.triangle = [this, id, own = std::move(own)](std::size_t part, std::size_t t) {
     if (part == own.size()) return gap(id, t);
     const auto& [leaf, quads] = own[part];

@@ -3,7 +3,9 @@
 
 #include <sherd/fragments.h>
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +17,7 @@
 #include "interface/interface_surface.h"
 #include "mesh/surface_by_area.h"
 #include "remesh/complex.h"
+#include "surface/surface_noise.h"
 
 namespace sherd {
 
@@ -35,6 +38,11 @@ class FragmentSurfaces {
   FragmentSurfaces(const Solid& solid, const Labels& labels, const Labels* uneroded,
                    std::shared_ptr<const CutSolid> cut, SurfaceVertices vertices,
                    const Progress* progress);
+
+  /// Displaces the points of byArea() from now on, along normals that become those of the moved
+  /// surface.  All else stays.
+  ///   noise  of the fracture
+  void displacePoints(const SurfaceNoise& noise, const Progress* progress);
 
   /// Returns the number of fragments.
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -70,6 +78,33 @@ class FragmentSurfaces {
   [[nodiscard]] LabeledMesh meshOf(std::uint16_t id) const;
 
  private:
+  // A triangle of a fragment: of a quad, or in a gap.
+  struct TriangleIndex {
+    const InterfaceQuad* quad = nullptr;  // null: in a gap
+    std::size_t i = 0;                    // half of the quad, or index of the gap
+  };
+
+  // Triangles of a fragment in a leaf.
+  struct Part {
+    std::uint32_t leaf = 0;
+    const InterfaceQuad* quads = nullptr;  // null: the intact solid's
+  };
+
+  // Returns SurfaceParts::displace.
+  //   own  the parts but the last, which is that of gaps
+  std::function<void(std::size_t part, std::size_t triangle, const std::array<double, 3>& shares,
+                     SurfacePoint& point)>
+  displacementOf(std::uint16_t id, const std::vector<Part>& own) const;
+
+  std::array<std::uint32_t, 3> verticesOf(std::uint16_t id, const TriangleIndex& of) const;
+
+  // Returns a point's distance from its contact's boundary, interpolated in its triangle.
+  SlopedValue toBoundary(std::uint16_t id, const TriangleIndex& of,
+                         const std::array<double, 3>& shares) const;
+  // Sets those of one fragment.
+  //   numbers  [vertices] kNoNumber, set for those of the fragment
+  void findDistances(std::uint16_t id, double most, std::vector<std::uint32_t>& numbers);
+
   // Finds the neighbors before erosion.
   void findNeighbors(const Solid& solid, const Labels& uneroded, const Progress* progress);
 
@@ -93,6 +128,8 @@ class FragmentSurfaces {
   // Neighbors before erosion, two of each quad; empty without erosion.
   std::vector<std::vector<std::uint16_t>> neighbors_;     // [leaf]
   std::vector<std::vector<std::uint16_t>> gapNeighbors_;  // [labels + 1]
+  std::optional<SurfaceNoise> noise_;                     // of points
+  std::vector<double> toBoundary_;  // [vertices] with a mismatch: voxels, at most fadeVoxels()
 };
 
 }  // namespace sherd

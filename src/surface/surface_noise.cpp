@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <glm/geometric.hpp>
-#include <limits>
-#include <queue>
 #include <utility>
 #include <vector>
 
 #include "base/random.h"
 #include "mesh/vertex_normals.h"
+#include "surface/boundary_distance.h"
 #include "voxelize/region.h"
 
 namespace sherd {
@@ -23,8 +21,6 @@ constexpr double kShortestVoxels = 1.0;
 // At the contact boundary the mismatch falls to nothing over this many voxels, and this many times
 // its rms: between a boundary's vertices and the next ones, and never steeper than that.
 constexpr double kFadeVoxels = 1.0, kFadeOfRms = 3.0;
-
-constexpr std::uint16_t kOriginal = 0, kBoundary = 0xffff;
 
 double diagonalVoxels(const Solid& solid) {
   if (solid.region) return glm::length(solid.region->sides());
@@ -38,60 +34,6 @@ std::optional<SelfAffineShape> shapeOf(const NoiseOptions& noise, double diagona
                          .hurst = noise.hurst,
                          .longest = noise.wavelength / 100.0 * diagonal,
                          .shortest = kShortestVoxels};
-}
-
-// Returns [vertices] the neighbor that all faces of a vertex have, or kBoundary.
-std::vector<std::uint16_t> contactsOf(const TriangleMesh& mesh) {
-  std::vector<std::uint16_t> contact(mesh.vertices.size(), kOriginal);
-  std::vector<bool> isMet(mesh.vertices.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t v = mesh.triangles[t][k];
-      if (isMet[v] && contact[v] != mesh.neighborOf(t)) contact[v] = kBoundary;
-      if (!isMet[v]) contact[v] = mesh.neighborOf(t);
-      isMet[v] = true;
-    }
-  }
-  return contact;
-}
-
-// Returns [vertices] how far a vertex within a contact is from its boundary along the edges of its
-// faces, voxels; infinite beyond `most`.
-std::vector<double> toBoundary(const TriangleMesh& mesh, const std::vector<std::uint16_t>& contact,
-                               double voxelSize, double most) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;  // from every vertex, both ways
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.neighborOf(t) == kOriginal) continue;
-    const glm::uvec3& corner = mesh.triangles[t];
-    for (int k = 0; k < 3; ++k) {
-      edges.emplace_back(corner[k], corner[(k + 1) % 3]);
-      edges.emplace_back(corner[(k + 1) % 3], corner[k]);
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  using Reached = std::pair<double, std::uint32_t>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
-  std::vector<double> distance(contact.size(), std::numeric_limits<double>::infinity());
-  const auto reach = [&](std::uint32_t v, double from) {
-    if (!(from <= most && from < distance[v])) return;
-    distance[v] = from;
-    queue.emplace(from, v);
-  };
-  for (std::uint32_t v = 0; v < contact.size(); ++v) {
-    if (contact[v] == kBoundary) reach(v, 0.0);
-  }
-  while (!queue.empty()) {
-    const auto [from, v] = queue.top();
-    queue.pop();
-    if (from > distance[v]) continue;
-    auto edge = std::lower_bound(edges.begin(), edges.end(), std::pair(v, std::uint32_t{0}));
-    for (; edge != edges.end() && edge->first == v; ++edge) {
-      const glm::dvec3 way = mesh.vertices[edge->second] - mesh.vertices[v];
-      reach(edge->second, from + glm::length(way) / voxelSize);
-    }
-  }
-  return distance;
 }
 
 // Corners of a triangle move apart by at most these shares of its height, in its plane and across.
@@ -147,6 +89,18 @@ void moveUnfolded(TriangleMesh& mesh, std::vector<glm::dvec3> by) {
 // Returns 0 at 0, 1 from 1 on, with a continuous slope.
 double faded(double x) { return x >= 1.0 ? 1.0 : x * x * (3.0 - 2.0 * x); }
 
+// Returns its derivative.
+double slopeOfFaded(double x) { return x >= 1.0 ? 0.0 : 6.0 * x * (1.0 - x); }
+
+// Moves a point along its normal, which becomes that of the moved surface.
+//   height  voxels, with its gradient in voxels, which has no unit
+void displace(SurfacePoint& point, const SlopedValue& height, double voxelSize) {
+  const glm::dvec3 normal = point.normal;
+  point.position += height.value * voxelSize * normal;
+  const glm::dvec3 along = height.gradient - glm::dot(height.gradient, normal) * normal;
+  point.normal = glm::normalize(normal - along);
+}
+
 }  // namespace
 
 SurfaceNoise::SurfaceNoise(const SurfaceOptions& options, const Solid& solid, std::uint64_t seed)
@@ -161,6 +115,39 @@ SurfaceNoise::SurfaceNoise(const SurfaceOptions& options, const Solid& solid, st
   }
 }
 
+double SurfaceNoise::fadeVoxels() const {
+  return cracks_ ? std::max(kFadeVoxels, kFadeOfRms * cracks_->rms) : 0.0;
+}
+
+SurfaceNoise::OfPoints SurfaceNoise::ofPoints(std::uint16_t id) const {
+  OfPoints noise{.id = id, .frame = frame_, .fade = fadeVoxels(), .common = common_};
+  if (cracks_) noise.own.emplace(*cracks_, randomBits(seed_, Stage::mismatch, id));
+  if (all_) noise.all.emplace(*all_, randomBits(seed_, Stage::scanNoise, id));
+  noise.ownShare = ownShare_;
+  noise.commonShare = commonShare_;
+  return noise;
+}
+
+void SurfaceNoise::OfPoints::move(SurfacePoint& point, const SlopedValue& toBoundary) const {
+  if (own && point.neighbor != 0) {
+    const glm::dvec3 at = frame.indexFromWorld(point.position);
+    SlopedValue height = own->slopedAt(at);
+    height.value *= ownShare, height.gradient *= ownShare;
+    if (common) {
+      // Outwards for the one is inwards for the other.
+      const double share = id < point.neighbor ? commonShare : -commonShare;
+      const SlopedValue both = common->slopedAt(at);
+      height.value += share * both.value, height.gradient += share * both.gradient;
+    }
+    const double x = toBoundary.value / fade;
+    height.gradient =
+        faded(x) * height.gradient + height.value * slopeOfFaded(x) / fade * toBoundary.gradient;
+    height.value *= faded(x);
+    displace(point, height, frame.voxelSize);
+  }
+  if (all) displace(point, all->slopedAt(frame.indexFromWorld(point.position)), frame.voxelSize);
+}
+
 void SurfaceNoise::move(TriangleMesh& mesh, std::uint16_t id) const {
   if (cracks_) moveCracks(mesh, id);
   if (all_) moveAll(mesh, id);
@@ -168,13 +155,13 @@ void SurfaceNoise::move(TriangleMesh& mesh, std::uint16_t id) const {
 
 void SurfaceNoise::moveCracks(TriangleMesh& mesh, std::uint16_t id) const {
   const std::vector<std::uint16_t> contact = contactsOf(mesh);
-  const double fade = std::max(kFadeVoxels, kFadeOfRms * cracks_->rms);
-  const std::vector<double> distance = toBoundary(mesh, contact, frame_.voxelSize, fade);
+  const double fade = fadeVoxels();
+  const std::vector<double> distance = boundaryDistances(mesh, contact, frame_.voxelSize, fade);
   const SelfAffineNoise own(*cracks_, randomBits(seed_, Stage::mismatch, id));
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
   std::vector<glm::dvec3> by(contact.size());
   for (std::size_t v = 0; v < contact.size(); ++v) {
-    if (contact[v] == kOriginal || contact[v] == kBoundary) continue;
+    if (contact[v] == kNoContact || contact[v] == kContactBoundary) continue;
     const glm::dvec3 at = frame_.indexFromWorld(mesh.vertices[v]);
     double height = ownShare_ * own.at(at);
     // Outwards for the one is inwards for the other.

@@ -126,7 +126,8 @@ class Points(CommandLine):
     def test_points_do_not_need_meshes(self):
         """Files of points, and what the manifest says of fragments, are the same with and without meshes."""
         for options in ((), ("--roughness", "1"), ("--growth", "flood", "--erode-iterations", "2", "--erode-probability", "0.6"),
-                        ("--missing", "2", "--share-points", "--point-sampler", "poisson")):
+                        ("--missing", "2", "--share-points", "--point-sampler", "poisson"),
+                        ("--interface", "independent"), ("--mismatch", "0.3%", "--scan-noise", "0.1%"), ("--preset", "training")):
             with self.subTest(options):
                 with_meshes = self.broken("--points", "400", *options)
                 files = tree(os.path.join(self.out, "points"))

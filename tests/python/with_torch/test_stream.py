@@ -1,5 +1,8 @@
 """The data set in one process: its order, epochs, states, and meshes that cannot be broken."""
+import os
 import pickle
+import shutil
+import subprocess
 import warnings
 
 import numpy as np
@@ -19,13 +22,28 @@ def test_a_stream_is_a_function_of_its_seed():
     assert len(set(fractures(first))) == 20 and {item["mesh"] for item in first} == set(range(5))
 
 
-def test_an_item_is_the_fracture_of_its_seed():
-    data = stream([AMPHORA], items=3, resolution=24, layout="fragments", roughness="0..2", extra_seeds="0..3")
+@pytest.mark.parametrize("options", [{"roughness": "0..2", "extra_seeds": "0..3"}, {"preset": "training", "surface": "smooth"}])
+def test_an_item_is_the_fracture_of_its_seed(options):
+    data = stream([AMPHORA], items=3, resolution=24, layout="fragments", **options)
     for item in data:
         f = data.fracture(item["index"])
         again = pysherd.fracture(AMPHORA, **f.options)
         points = again.points(64).positions.reshape(-1, 64, 3)
         assert f.seed == item["seed"] and np.allclose((points - item["center"]) / item["size"], item["positions"], atol=1e-6)
+
+
+def test_points_are_those_of_the_program(tmp_path):
+    data = stream([AMPHORA], items=2, resolution=24, layout="fragments", pieces=4, preset="training")
+    for item in data:
+        subprocess.run([os.environ["SHERD_BIN"], "fracture", AMPHORA, "-o", tmp_path / "out", "--preset", "training", "--resolution", "24", "--pieces", "4",
+                        "--seed", str(item["seed"]), "--points", "64", "--point-format", "npz"], check=True, capture_output=True)  # fmt: skip
+        files = sorted((tmp_path / "out" / "points").iterdir())
+        assert len(files) == item["fragments"]
+        for path, own, normals, neighbor in zip(files, item["positions"], item["normals"], item["neighbor"]):
+            points = np.load(path)
+            assert np.allclose((points["positions"] - item["center"]) / item["size"], own, atol=1e-6)
+            assert np.allclose(points["normals"], normals, atol=1e-6) and np.array_equal(points["neighbor"], neighbor)
+        shutil.rmtree(tmp_path / "out")
 
 
 def test_epochs_have_other_fractures():

@@ -103,5 +103,24 @@ TEST(SelfAffineNoise, PrefersNoDirection) {
   EXPECT_NEAR(along[0] / along[1], 1.0, 0.03);
 }
 
+// Against central differences, whose error is that of a third derivative: of the shortest waves, 1
+// long, some hundred times the height, times the squared step.
+TEST(SelfAffineNoise, HasTheGradientOfItsValues) {
+  const SelfAffineNoise noise({.rms = 2.0, .hurst = 0.6, .longest = 8.0, .shortest = 1.0}, 7);
+  constexpr double kStep = 1e-4;
+  std::mt19937_64 random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 at = anywhere(random);
+    const SlopedValue sloped = noise.slopedAt(at);
+    EXPECT_EQ(sloped.value, noise.at(at));
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 by(0.0);
+      by[axis] = kStep;
+      const double slope = (noise.at(at + by) - noise.at(at - by)) / (2.0 * kStep);
+      EXPECT_NEAR(sloped.gradient[axis], slope, 1e-5);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sherd
