@@ -121,6 +121,7 @@ sherd_room(sherd_folders dataset/layouts
   bb_lists fracture_line hdf5_join hdf5_lists hdf5_part hdf5_record hdf5_verify identity layout parsed_journal pfpp pfpp_matches
   split_of)
 sherd_room(sherd_folders dataset/report report resources run_record statistics thumbnails)
+sherd_room(sherd_folders dataset/recipe licenses recipe)
 sherd_room(sherd_folders dataset/assemblage compose compose_grid draw parts)
 sherd_room(sherd_folders dataset
   assemblage_run distinct forecast fracture_output growth_ahead index library object_limits object_run options output_root replaced_files replacement run_dataset schedule

@@ -23,7 +23,7 @@ ROOMS = ["base", "base/text", "base/files", "cl", "mesh", "mesh/search", "mesh/a
          "remesh", "remesh/decimate", "remesh/resample", "remesh/parts", "cut", "interface/cells", "interface", "surface/exact", "surface", "points", "appearance", "pipeline",
          "evaluate/cracks", "evaluate", "render", "chart", "formats", "formats/arrays", "formats/mesh", "formats/ply", "formats/obj", "formats/gltf", "formats/usd", "formats/geo",
          "formats/mesh_files", "formats/voxels", "formats/points", "formats/images", "options", "viewer", "folder/manifest", "folder/files", "folder/read",
-         "folder", "dataset/store", "dataset/journal", "dataset/layouts", "dataset/report", "dataset/assemblage", "dataset", "assimp_program", "cli/terminal", "cli/arguments",
+         "folder", "dataset/store", "dataset/journal", "dataset/layouts", "dataset/report", "dataset/recipe", "dataset/assemblage", "dataset", "assimp_program", "cli/terminal", "cli/arguments",
          "cli/evaluate", "cli/doctor", "cli",
          "cgal"]  # implements an interface of cli/: docs/decisions/0005-licenses.md
 

@@ -14,6 +14,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,15 @@ struct LibraryObject {
   std::vector<LibraryObject> parts{};  ///< of an assemblage: its objects, then those that intruders
                                        ///< are of, all of one split; else empty
   std::size_t intruders = 0;           ///< the last `intruders` parts
+  std::string license{};               ///< as LibraryOptions::licenses has it; empty: not stated
 };
 
 struct LibraryOptions {
   std::string match;      ///< shell pattern that keys must match, '*' also matches '/'; empty: all
   std::size_t limit = 0;  ///< keeps only the first `limit` matches; 0: all
+  std::set<std::string> keys{};  ///< keeps only these, which must all be there; empty: all
+  std::map<std::string, std::string> licenses{};  ///< by key, or by a pattern as `match` where no
+                                                  ///< key is equal: the first that matches
 };
 
 /// Returns the meshes and volumes of a library, ascending by key.
@@ -43,7 +48,7 @@ struct LibraryOptions {
 ///            comment
 ///   skipped  receives one sentence for each folder that cannot be read, each link that is broken
 ///            or leads to a folder, and each entry with a mesh's name that is not a file
-///   throws   Error(input) the library does not exist or has no meshes
+///   throws   Error(input) the library does not exist, has no meshes, or lacks one of the keys
 [[nodiscard]] std::vector<LibraryObject> findObjects(const std::filesystem::path& library,
                                                      const LibraryOptions& options = {},
                                                      std::vector<std::string>* skipped = nullptr);
@@ -267,5 +272,56 @@ DatasetCheck verifyDataset(const std::filesystem::path& out, const Progress* pro
 /// Merges the shards below one folder: writes index, failures and splits.
 ///   throws  Error(input) `out` is not a dataset, or has objects that are neither done nor failed
 DatasetSummary mergeDataset(const std::filesystem::path& out, const Progress* progress = nullptr);
+
+// Recipes: recipe.json, from which a dataset can be made again, and compared.
+
+/// A mesh that a dataset was made of.
+struct RecipeMesh {
+  std::string key;      ///< LibraryObject::key
+  std::string sha256;   ///< of its file; empty where that could not be read
+  std::string license;  ///< LibraryObject::license
+};
+
+/// What came out of a mesh.
+struct RecipeObject {
+  std::string key;
+  std::string sha256;  ///< of a line "SHA-256  name" for each file of all its fractures, in the
+                       ///< order of the schedule and by name
+  std::vector<std::string> fractures;  ///< the intact object, then each fracture: the first eight
+                                       ///< digits of the same of its files alone
+};
+
+/// The content of recipe.json: about 150 bytes a mesh and 11 a fracture.
+struct DatasetRecipe {
+  std::string program;                ///< version that made the dataset
+  std::string options;                ///< datasetIdentity
+  std::vector<std::string> drawn;     ///< names of DatasetOptions::drawn in their order
+  std::vector<RecipeMesh> meshes;     ///< ascending by key, those that could not be broken too
+  std::vector<RecipeObject> objects;  ///< those that could be broken
+};
+
+/// Reads a recipe.
+///   throws  Error(input) with the file's name: not a recipe, above 64 MiB, a field is missing or
+///   of
+///           another kind
+[[nodiscard]] DatasetRecipe readRecipe(const std::filesystem::path& file);
+
+/// Returns the options of the recipe's dataset, for its meshes alone.  Options that name other
+/// files, such as guides, need those at the same paths.
+///   throws  Error(input) an option that this version does not have
+[[nodiscard]] DatasetOptions optionsOfRecipe(const DatasetRecipe& recipe);
+
+/// Checks that a library has all meshes of a recipe, as they were.
+///   throws  Error(input) one is missing, or is another file than that of the recipe
+void requireMeshes(const std::filesystem::path& library, const DatasetRecipe& recipe);
+
+/// Returns a sentence for each object that differs between two recipes, with its fractures.
+[[nodiscard]] std::vector<std::string> differences(const DatasetRecipe& asked,
+                                                   const DatasetRecipe& made);
+
+/// Reads licenses of meshes: a line for each, a key or a shell pattern, a tab, and the license; '#'
+/// starts a comment.
+///   throws  Error(input) with the file's name: above 16 MiB, a line without a tab
+[[nodiscard]] std::map<std::string, std::string> readLicenses(const std::filesystem::path& file);
 
 }  // namespace sherd

@@ -5,8 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "cli/arguments/config_arguments.h"
@@ -28,6 +31,9 @@ struct DatasetArguments {
   DatasetOptions options;
   std::vector<std::string> idle;  ///< sentences on options that do nothing
   MachineOptions machine;
+  std::string licenses;                 ///< file; empty: none
+  std::string recipeFile;               ///< empty: none
+  std::optional<DatasetRecipe> recipe;  ///< its content
   bool verify = false;
   bool dryRun = false;
   bool json = false;
@@ -48,7 +54,63 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
   command
       .add_flag("--dry-run", arguments.dryRun, "Only estimate files and time, from a few objects")
       ->group(group);
+  command
+      .add_option("--licenses", arguments.licenses,
+                  "File with the licenses of meshes, for recipe.json: a line for each, its path in "
+                  "the library or a pattern, a tab, and the license")
+      ->type_name("FILE")
+      ->group(group);
+  command
+      .add_option("--recipe", arguments.recipeFile,
+                  "Make the dataset of a recipe.json again from the same meshes, and compare all "
+                  "files by their checksums")
+      ->type_name("FILE")
+      ->group(group);
   addConfig(command)->group(group);
+}
+
+// Options that do not change a dataset, and so may be given with a recipe.
+constexpr std::array kWithRecipe{"--recipe", "--output",  "--resume",         "--replace",
+                                 "--strict", "--verify",  "--shard",          "--viewers",
+                                 "--device", "--threads", "--object-timeout", "--max-memory",
+                                 "--json",   "--quiet",   "--dry-run"};
+
+// Takes the options of the recipe's dataset, and keeps those of the run.
+void useRecipe(const CLI::App& command, DatasetArguments& arguments) {
+  for (const CLI::Option* const option : command.parse_order()) {
+    const std::string name = option->get_name();
+    const bool isOfRun =
+        std::find(kWithRecipe.begin(), kWithRecipe.end(), name) != kWithRecipe.end();
+    if (isOfRun || option->get_positional()) continue;
+    throw Error(ErrorCode::usage,
+                name + " can't be given with --recipe, which has the options of its dataset");
+  }
+  arguments.recipe = readRecipe(arguments.recipeFile);
+  const DatasetOptions run = std::move(arguments.options);
+  DatasetOptions& options = arguments.options;
+  options = optionsOfRecipe(*arguments.recipe);
+  options.shard = run.shard;
+  options.resume = run.resume;
+  options.replace = run.replace;
+  options.strict = run.strict;
+  options.viewers = run.viewers;
+  options.objectTimeout = run.objectTimeout;
+}
+
+// Refuses a dataset whose files are others than the recipe's.
+void compareWithRecipe(const DatasetRecipe& recipe, const std::filesystem::path& folder,
+                       const DatasetCallbacks& callbacks) {
+  const DatasetRecipe made = readRecipe(folder / "recipe.json");
+  const std::vector<std::string> sentences = differences(recipe, made);
+  if (sentences.empty()) return;
+  for (const std::string& sentence : sentences) callbacks.warning(sentence);
+  const std::string versions =
+      made.program == recipe.program
+          ? std::string()
+          : "; it was made by sherd " + recipe.program + ", this is sherd " + made.program;
+  throw Error(ErrorCode::input, std::to_string(sentences.size()) + " of " +
+                                    std::to_string(recipe.meshes.size()) +
+                                    " meshes gave other files than the recipe's" + versions);
 }
 
 void runDatasetCommand(DatasetArguments& arguments) {
@@ -79,6 +141,7 @@ void runDatasetCommand(DatasetArguments& arguments) {
     // Before the run writes them anew.  Whoever removes one wants that.
     std::vector<std::string> changed;
     if (arguments.verify && !options.replace) changed = changedOwnFiles(arguments.folder, false);
+    if (arguments.recipe) requireMeshes(arguments.library, *arguments.recipe);
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, callbacks);
     const std::string folder = summary.folder.string();
@@ -92,6 +155,8 @@ void runDatasetCommand(DatasetArguments& arguments) {
                                         (summary.failures == 1 ? " object" : " objects") +
                                         " could not be broken; " + failures + " has the reasons");
     }
+    if (arguments.recipe && summary.complete)
+      compareWithRecipe(*arguments.recipe, summary.folder, callbacks);
     if (!arguments.verify) return;
     DatasetCheck check = verifyDataset(folder, &untilInterrupted(), options.shard);
     // Those that were not written anew differ still.
@@ -232,6 +297,20 @@ DatasetOptions assemblageDefaults() {
   return options;
 }
 
+void addFolders(CLI::App& command, DatasetArguments& arguments) {
+  command
+      .add_option(
+          "LIBRARY", arguments.library,
+          "A folder of meshes, with all below it, one mesh, or a text file with a path a line")
+      ->required();
+  command
+      .add_option("-o,--output", arguments.folder,
+                  "Folder for the dataset: absent, empty, with --resume an unfinished one, or with "
+                  "--replace any dataset")
+      ->type_name("DIR")
+      ->required();
+}
+
 // Adds `sherd dataset`, or `sherd assemblage`: the same with other defaults.
 CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
   CLI::App* command =
@@ -239,18 +318,7 @@ CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
           ? app.add_subcommand("assemblage", "Mix fragments of several objects of a library")
           : app.add_subcommand("dataset", "Break every mesh of a library, many times each");
   auto arguments = std::make_shared<DatasetArguments>();
-  command
-      ->add_option(
-          "LIBRARY", arguments->library,
-          "A folder of meshes, with all below it, one mesh, or a text file with a path a line")
-      ->required();
-  command
-      ->add_option(
-          "-o,--output", arguments->folder,
-          "Folder for the dataset: absent, empty, with --resume an unfinished one, or with "
-          "--replace any dataset")
-      ->type_name("DIR")
-      ->required();
+  addFolders(*command, *arguments);
   if (isAssemblage) arguments->options = assemblageDefaults();
   addDatasetOptions(*command, arguments->options);
   addRunOptions(*command, *arguments);
@@ -263,6 +331,12 @@ CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
       "random for each fracture.");
   command->callback([arguments, command, &run] {
     DatasetOptions& options = arguments->options;
+    if (!arguments->recipeFile.empty()) {
+      useRecipe(*command, *arguments);
+      run = [arguments] { runDatasetCommand(*arguments); };
+      return;
+    }
+    if (!arguments->licenses.empty()) options.library.licenses = readLicenses(arguments->licenses);
     sortAsGiven(options.drawn, *command);
     const CLI::Option* const preset = command->get_option("--preset");
     const bool isPly = preset->count() > 0 && preset->as<std::string>() == "training";

@@ -11,6 +11,7 @@
 #include "base/files/atomic_file.h"
 #include "base/files/below_folder.h"
 #include "base/files/sha256.h"
+#include "base/version.h"
 #include "dataset/journal/journal.h"
 #include "dataset/journal/object_folder.h"
 #include "dataset/layouts/bb_lists.h"
@@ -19,6 +20,7 @@
 #include "dataset/layouts/hdf5_lists.h"
 #include "dataset/layouts/hdf5_part.h"
 #include "dataset/layouts/split_of.h"
+#include "dataset/recipe/recipe.h"
 #include "dataset/report/thumbnails.h"
 
 namespace sherd {
@@ -84,12 +86,15 @@ constexpr std::array kColumns{
 constexpr std::array kAssemblageColumns{"mesh",     "mesh_number", "mesh_seed",
                                         "intruder", "scale",       "translation"};
 
+bool hasAssemblages(const DatasetPlan& plan) {
+  return std::any_of(plan.objects.begin(), plan.objects.end(),
+                     [](const auto& object) { return !object.parts.empty(); });
+}
+
 std::vector<const char*> columnsOf(const DatasetPlan& plan) {
   const bool hasRenamed = std::any_of(plan.objects.begin(), plan.objects.end(), isRenamed);
   std::vector<const char*> columns(kColumns.begin(), kColumns.end() - (hasRenamed ? 0 : 1));
-  const bool areAssemblages = std::any_of(plan.objects.begin(), plan.objects.end(),
-                                          [](const auto& object) { return !object.parts.empty(); });
-  if (areAssemblages) {
+  if (hasAssemblages(plan)) {
     columns.insert(columns.end(), kAssemblageColumns.begin(), kAssemblageColumns.end());
   }
   return columns;
@@ -128,7 +133,7 @@ std::string hdf5Piece(const LibraryObject& object, const Json& line, const Json&
 }
 
 // Adds the object of an assemblage that a fragment is of.
-void addObject(Json& row, const Json& line, const Json& number) {
+void addObjectOfFragment(Json& row, const Json& line, const Json& number) {
   const Json& object = line.at("objects").at(number.get<std::size_t>());
   row["mesh"] = object.at("mesh");
   row["mesh_number"] = number;
@@ -167,7 +172,7 @@ Json rowOf(const DatasetPlan& plan, const LibraryObject& object, const std::stri
   } else {
     for (const Json& file : fragment.at("files")) row["sha256"].push_back(sums[file]);
   }
-  if (fragment.contains("object")) addObject(row, line, fragment.at("object"));
+  if (fragment.contains("object")) addObjectOfFragment(row, line, fragment.at("object"));
   if (fragment.contains("pose")) row.update(fragment.at("pose"));
   if (line.contains("offset")) row["offset"] = line.at("offset");
   const bool isTree = plan.layout != DatasetLayout::hdf5 && plan.layout != DatasetLayout::pfpp;
@@ -206,6 +211,20 @@ DatasetSummary summaryOf(const DatasetStatistics& statistics, bool complete) {
 
 }  // namespace
 
+namespace {
+
+// Adds the images of a fracture to those of the report.
+void addThumbnail(const fs::path& out, const LibraryObject& object, const std::string& name,
+                  DatasetStatistics& statistics) {
+  const std::string image = thumbnailName(object, name);
+  if (!isOwnFile(out, image)) return;
+  const std::string viewer = viewerName(object, name);
+  statistics.thumbnails.push_back(
+      {object.key + ", " + name, out / image, isOwnFile(out, viewer) ? viewer : std::string()});
+}
+
+}  // namespace
+
 DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Progress* progress) {
   DatasetStatistics statistics;
   bool complete = true;
@@ -214,10 +233,13 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
   csv.add(csvHead(columns));
   std::map<std::string, std::string> lists;  // keys, by split
   std::vector<BbObject> bb;
+  DatasetRecipe recipe{
+      .program = SHERD_VERSION, .options = plan.text, .drawn = {}, .meshes = {}, .objects = {}};
   for (std::size_t i = 0; i < plan.objects.size(); ++i) {
     throwIfCancelled(progress);
     const LibraryObject& object = plan.objects[i];
     const JournalText journal = readJournal(out, object);
+    addObject(recipe, object, journal);
     if (journal.failed) {
       failures.add(failureLine(object.key, journal.failed->reason));
       statistics.failures.emplace_back(object.key, journal.failed->reason);
@@ -241,12 +263,7 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
         csv.add(csvOf(row, columns));
         jsonl.add(textOf(row));
       }
-      const std::string image = thumbnailName(object, name);
-      if (hasThumbnail(i, plan.objects.size()) && isOwnFile(out, image)) {
-        const std::string viewer = viewerName(object, name);
-        statistics.thumbnails.push_back({object.key + ", " + name, out / image,
-                                         isOwnFile(out, viewer) ? viewer : std::string()});
-      }
+      if (hasThumbnail(i, plan.objects.size())) addThumbnail(out, object, name, statistics);
     }
     bb.push_back(std::move(own));
   }
@@ -254,6 +271,10 @@ DatasetIndex writeIndex(const fs::path& out, const DatasetPlan& plan, const Prog
   csv.commit();
   jsonl.commit();
   failures.commit();
+  if (!hasAssemblages(plan)) {
+    requireOwnFile(out, kRecipeName);
+    writeWhole(out / kRecipeName, recipeText(recipe));
+  }
   for (const char* split : {"train", "val", "test"}) {
     writeWhole(out / (std::string(split) + ".txt"), lists[split]);
   }

@@ -18,8 +18,9 @@ struct DatasetIndex {
   DatasetStatistics statistics;
 };
 
-/// Writes index.csv, index.jsonl, failures.jsonl and the lists of the splits from the journals.
-/// Omits objects that are neither done nor failed; the summary is then not complete.
+/// Writes index.csv, index.jsonl, failures.jsonl, recipe.json (not of assemblages) and the lists of
+/// the splits from the journals.  Omits objects that are neither done nor failed; the summary is
+/// then not complete.
 ///   throws  Error(output)
 DatasetIndex writeIndex(const std::filesystem::path& out, const DatasetPlan& plan,
                         const Progress* progress = nullptr);

@@ -13,6 +13,7 @@
 #include "base/files/atomic_file.h"
 #include "base/input_error.h"
 #include "base/text/lower_case.h"
+#include "base/text/printable.h"
 
 namespace sherd {
 namespace {
@@ -125,6 +126,35 @@ void nameFolders(std::vector<LibraryObject>& objects) {
   }
 }
 
+// Keeps objects with these keys.
+void keepOnly(const std::set<std::string>& keys, const fs::path& library,
+              std::vector<LibraryObject>& found) {
+  std::erase_if(found, [&](const LibraryObject& object) { return !keys.contains(object.key); });
+  std::string first;
+  std::size_t missing = 0;
+  auto next = found.begin();
+  for (const std::string& key : keys) {
+    if (next != found.end() && next->key == key) {
+      ++next;
+    } else if (missing++ == 0) {
+      first = key;
+    }
+  }
+  if (missing == 0) return;
+  inputError(library, "lacks " + std::to_string(missing) + " of " + std::to_string(keys.size()) +
+                          " meshes, the first is " + printable(first));
+}
+
+std::string licenseOf(const std::string& key, const std::map<std::string, std::string>& licenses) {
+  const auto found = licenses.find(key);
+  if (found != licenses.end()) return found->second;
+  for (const auto& [pattern, license] : licenses) {
+    const bool isPattern = pattern.find_first_of("*?[") != std::string::npos;
+    if (isPattern && ::fnmatch(pattern.c_str(), key.c_str(), 0) == 0) return license;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOptions& options,
@@ -149,6 +179,8 @@ std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOpt
   const auto sameKey = [](const auto& a, const auto& b) { return a.key == b.key; };
   found.erase(std::unique(found.begin(), found.end(), sameKey), found.end());
   nameFolders(found);  // before the selection: a narrower one must not change names
+  if (!options.keys.empty()) keepOnly(options.keys, library, found);
+  for (LibraryObject& object : found) object.license = licenseOf(object.key, options.licenses);
   if (!options.match.empty()) {
     std::erase_if(found, [&](const LibraryObject& object) {
       return ::fnmatch(options.match.c_str(), object.key.c_str(), 0) != 0;

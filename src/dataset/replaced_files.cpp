@@ -28,8 +28,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kTop{kPlanName,   kIndexCsv, kIndexJsonl, kFailuresName, kReportName,
-                          "train.txt", "val.txt", "test.txt",  "run.json",    "run_*_of_*.json"};
+constexpr std::array kTop{kPlanName,   kIndexCsv,   kIndexJsonl,      kFailuresName,
+                          kReportName, kRecipeName, "train.txt",      "val.txt",
+                          "test.txt",  "run.json",  "run_*_of_*.json"};
 constexpr std::array kTopOfHdf5{"fractures.hdf5", "fractures.hdf5.json", "fractures_*_of_*.hdf5",
                                 "fractures_*_of_*.hdf5.json"};
 constexpr const char* kRunName = "run.json";

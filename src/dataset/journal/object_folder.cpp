@@ -39,6 +39,7 @@ constexpr std::array kReserved{
     Reserved{kIndexJsonl, kPaper | kBb, true},
     Reserved{kFailuresName, kPaper | kBb, true},
     Reserved{kReportName, kPaper | kBb, true},
+    Reserved{kRecipeName, kPaper | kBb, true},
     Reserved{"train.txt", kPaper | kBb, true},
     Reserved{"val.txt", kPaper | kBb, true},
     Reserved{"test.txt", kPaper | kBb, true},

@@ -14,6 +14,7 @@ inline constexpr const char* kIndexCsv = "index.csv";
 inline constexpr const char* kIndexJsonl = "index.jsonl";
 inline constexpr const char* kFailuresName = "failures.jsonl";
 inline constexpr const char* kReportName = "report.html";
+inline constexpr const char* kRecipeName = "recipe.json";
 inline constexpr const char* kJournalFolder = "journal";
 inline constexpr const char* kBbSplitFolder = "data_split";
 inline constexpr const char* kBbListFolder = "data_list";

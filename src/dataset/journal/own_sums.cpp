@@ -22,11 +22,10 @@ namespace fs = std::filesystem;
 constexpr std::size_t kDigits = 64;
 
 // Those at the top of the folder, and those in folders; other files there are not the dataset's.
-constexpr std::array kTop{"dataset.json",   "index.csv",           "index.jsonl",
-                          "failures.jsonl", "train.txt",           "val.txt",
-                          "test.txt",       "report.html",         "run.json",
-                          "run_*.json",     "*.train.txt",         "*.val.txt",
-                          "*.test.txt",     "fractures*.hdf5.json"};
+constexpr std::array kTop{
+    "dataset.json", "index.csv",   "index.jsonl", "failures.jsonl", "train.txt",
+    "val.txt",      "test.txt",    "report.html", "run.json",       "recipe.json",
+    "run_*.json",   "*.train.txt", "*.val.txt",   "*.test.txt",     "fractures*.hdf5.json"};
 constexpr std::array kOfJournal{"*.jsonl", "*.png", "*.html"};
 constexpr std::array kOfLists{"*.txt"};
 

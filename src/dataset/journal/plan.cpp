@@ -50,6 +50,7 @@ LibraryObject objectOf(const Json& json) {
                        .folder = fields::text(json, "folder"),
                        .file = {},
                        .bytes = fields::count(json, "bytes")};
+  if (json.contains("license")) object.license = fields::text(json, "license");
   if (json.contains("parts")) {
     for (const Json& key : fields::list(json, "parts")) {
       if (!key.is_string()) fields::damaged("an entry of \"parts\" is not text");
@@ -84,8 +85,9 @@ std::string planText(const DatasetPlan& plan) {
   Json objects = Json::array();
   for (const LibraryObject& object : plan.objects) {
     objects.push_back({{"key", object.key}, {"folder", object.folder}, {"bytes", object.bytes}});
-    if (object.parts.empty()) continue;
     Json& own = objects.back();
+    if (!object.license.empty()) own["license"] = object.license;
+    if (object.parts.empty()) continue;
     own["parts"] = Json::array();
     for (const LibraryObject& part : object.parts) own["parts"].push_back(part.key);
     own["intruders"] = object.intruders;
