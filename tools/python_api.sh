@@ -10,6 +10,7 @@ out=$(realpath -m "${1:-$root/build/python/api}")
 python=${2:-$root/build/python/venv-torch/bin/python}
 modules=(pysherd)
 ! "$python" -c 'import torch' 2> /dev/null || modules+=(pysherd.torch)
+modules+=(pysherd.parquet)
 ! "$python" -c 'import pxr' 2> /dev/null || modules+=(pysherd.usd)
 cd "$(mktemp -d)"  # so that what is imported is what is installed
 "$python" -B -W error -m pdoc --docformat numpy --no-show-source -o "$out" "${modules[@]}" 2> warnings || { cat warnings >&2; exit 1; }
