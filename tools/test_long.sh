@@ -186,6 +186,11 @@ SHERD_BIN=$PWD/build/release/sherd SHERD_DATA=$PWD/data OCL_ICD_VENDORS=pocl.icd
 echo "== a network that is trained on fractures made meanwhile, with three seeds"
 build/python/venv-torch/bin/python -B tests/long/training.py
 
+echo "== the examples for PyTorch Geometric and Lightning, with these packages"
+/usr/bin/python3 -m venv build/python/venv-networks
+build/python/venv-networks/bin/pip install -q --disable-pip-version-check build/python/wheel/*.whl lightning==2.2.5 torch_geometric==2.8.1 torch==2.15.0
+OCL_ICD_VENDORS=pocl.icd build/python/venv-networks/bin/python -B tests/long/network_modules.py
+
 echo "== the example of Dask, on this machine"
 build/python/venv/bin/pip install -q --disable-pip-version-check "dask[bag]==2026.8.0"
 build/python/venv/bin/python -B examples/python/with_dask.py build/python/dask data/amphora.ply
