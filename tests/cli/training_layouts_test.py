@@ -253,7 +253,7 @@ class Matches(Layouts):
         self.done("--layout", "pfpp", *options, "--points", "1000")
         self.done("--layout", "bb", "--mesh-format", "ply", "--write", "mesh", *options, "--points", "0", out=bb)
         self.assertEqual(set(os.listdir(self.out)) - {"run.json", "report.html"},
-                         {"pc_data", "matching_data", "journal", "dataset.json", "index.csv", "index.jsonl", "failures.jsonl",
+                         {"pc_data", "matching_data", "journal", "dataset.json", "index.csv", "index.jsonl", "failures.jsonl", "recipe.json",
                           "train.txt", "val.txt", "test.txt"})
         rows = {}
         for row in self.rows():
