@@ -173,6 +173,43 @@ answer(kept=kept)
             self.assertEqual(reported["kept"][name], [2, 2 * [str(self.kept / name)], True])
         self.assertEqual(reported["kept"]["Cube_004"], [2, ["", ""], True])
 
+    def test_glue_of_a_moved_piece_is_between_its_pieces(self):
+        reported = self.run_again('''
+textured()
+again(cube, pieces=2)
+chosen = of_folder(FOLDER)[0]
+chosen.matrix_world = mathutils.Matrix.Translation((5, -3, 1)) @ mathutils.Euler((1, 2, 3)).to_matrix().to_4x4()
+bpy.context.view_layer.update()
+parts = again(chosen, pieces=6, rigid_body=True)
+joints = [o for o in bpy.context.scene.rigidbody_world.constraints.objects if "sherd_area" in o and "sherd_apart" not in o]
+answer(parts=[details(p) for p in parts],
+       joints=[(o.location[:], o.rigid_body_constraint.object1.name, o.rigid_body_constraint.object2.name) for o in joints])
+''')
+        boxes = {p["name"]: (np.array(p["low"]), np.array(p["high"])) for p in reported["parts"]}
+        self.assertGreaterEqual(len(reported["joints"]), 5)
+        for place, *ends in reported["joints"]:
+            for end in ends:
+                low, high = boxes[end]
+                self.assertTrue((low - 1e-4 <= place).all() and (place <= high + 1e-4).all(), (place, end))
+
+    def test_folders_above_stay_as_they_are(self):
+        """Pieces of a piece that has a folder of its own, which is in the fracture's."""
+        reported = self.run_again('''
+import os
+textured()
+again(cube, pieces=3)
+state = lambda folder: open(folder + "/manifest.json").read()
+first = state(FOLDER)
+homes = []
+for _ in range(3):
+    parts = again(of_folder(homes[-1] if homes else FOLDER)[0], pieces=2, wear=1)
+    homes.append(parts[0]["sherd_folder"])
+answer(homes=homes, same=state(FOLDER) == first, there=[os.path.exists(h + "/manifest.json") for h in homes])
+''')
+        self.assertTrue(reported["same"])
+        self.assertEqual(reported["there"], [True] * 3)
+        self.assertEqual(len(set(reported["homes"])), 3)
+
     def test_two_pieces_at_once(self):
         reported = self.run_again('''
 textured()

@@ -19,17 +19,25 @@ def manifest_in(folder):
     """The manifest of a folder, or None."""
     try:
         with open(os.path.join(folder, "manifest.json"), encoding="utf-8") as file:
-            return json.load(file)
+            found = json.load(file)
     except (OSError, ValueError):
         return None
+    return found if isinstance(found, dict) and isinstance(found.get("fragments"), list) else None
+
+
+def folder_of(thing):
+    """The folder of the fracture that an object is a piece of, or None."""
+    if "sherd_folder" not in thing or "sherd_fragment" not in thing:
+        return None
+    return os.path.realpath(bpy.path.abspath(thing["sherd_folder"]))
 
 
 def home_of(thing, folder):
     """The folder of the fracture that an object is a piece of, if it is `folder` or in it; None of other objects."""
-    if not folder or "sherd_folder" not in thing or "sherd_fragment" not in thing:
+    home = folder_of(thing) if folder else None
+    if home is None:
         return None
-    home, chosen = (os.path.realpath(bpy.path.abspath(path)) for path in (thing["sherd_folder"], folder))
-    return home if chosen in (home, os.path.dirname(home)) else None
+    return home if os.path.realpath(bpy.path.abspath(folder)) in (home, os.path.dirname(home)) else None
 
 
 class Finished:
@@ -54,12 +62,19 @@ def origin_of(entry):
     return np.array(entry["centroid"], np.float32).astype(float)
 
 
-def vertices_of(entry, folder):
-    """Vertices of a fragment's file, or None if it has none that can be read."""
+def mesh_file(entry, folder):
+    """The .ply mesh of a fragment of a manifest, which may have other formats too."""
+    files = entry["files"]["mesh"]
+    return os.path.join(folder, next(name for name in ([files] if isinstance(files, str) else files) if name.endswith(".ply")))
+
+
+def read_file(entry, folder):
+    """Vertices, faces and the center of mass of a fragment's file, or None if it has none that can be read."""
     try:
-        _, vertex, _ = read_ply(os.path.join(folder, entry["files"]["mesh"]))
-        return np.column_stack([vertex[axis] for axis in "xyz"]).astype(float)
-    except (OSError, ValueError, KeyError, IndexError):
+        _, vertex, face = read_ply(mesh_file(entry, folder))
+        at = np.column_stack([vertex[axis] for axis in "xyz"]).astype(float)
+        return at, face["vertex_indices"], origin_of(entry)
+    except (OSError, ValueError, KeyError, IndexError, TypeError, StopIteration):
         return None
 
 
@@ -73,17 +88,26 @@ def finished(thing, mesh, world, folder):
     scaled, nor broken already.  mesh: as modifiers leave it; world: its matrix."""
     home = home_of(thing, folder)
     entries = (manifest_in(home) or {}).get("fragments", []) if home else []
-    entry = next((each for each in entries if each["id"] == thing["sherd_fragment"]), None)
+    entry = next((each for each in entries if each.get("id") == thing["sherd_fragment"]), None)
     if entry is None or entry.get("surface") != "exact" or not is_rigid(world):
         return None
-    at = vertices_of(entry, home)
-    if at is None or len(at) != len(mesh.vertices):
+    found = read_file(entry, home)
+    if found is None:
         return None
-    origin = origin_of(entry)
+    at, faces, origin = found
+    if len(at) != len(mesh.vertices) or not are_equal(mesh, faces):
+        return None
     here = read(mesh.vertices, "co", np.float32, 3).astype(float) + origin
-    if np.abs(here - at).max() > 4 * np.finfo(np.float32).eps * np.abs(at).max():
+    if not np.abs(here - at).max() <= 4 * np.finfo(np.float32).eps * np.abs(at).max():
         return None
     return Finished(home, entry["id"], at, Matrix.Translation(Vector(origin)), world)
+
+
+def are_equal(mesh, faces):
+    """Whether a mesh has as many triangles as a file, and uses its vertices as often: polygons may be cut in another way."""
+    total = read(mesh.polygons, "loop_total", np.int32)
+    corner = read(mesh.loops, "vertex_index", np.int32)
+    return (total - 2).sum() == len(faces) and np.array_equal(np.unique(corner), np.unique(faces))
 
 
 def renew_neighbors(piece, manifest, pieces):
@@ -95,7 +119,7 @@ def renew_neighbors(piece, manifest, pieces):
             continue
         entry = entries.get(thing["sherd_fragment"])
         if entry and new & {contact["id"] for contact in entry["contacts"] + entry.get("thin_contacts", [])}:
-            renew(thing.data, os.path.join(piece.folder, entry["files"]["mesh"]), piece.fragment)
+            renew(thing.data, mesh_file(entry, piece.folder), piece.fragment)
 
 
 def renew(mesh, path, broken):

@@ -35,9 +35,10 @@ def join(world, collection, one, other, area, place, strength):
     return empty
 
 
-def glue(context, above, pieces, manifest, strength):
+def glue(context, above, pieces, manifest, strength, moved):
     """Joins all pieces that touch, in a collection of their own; a generator with a stop after each.  Pieces whose hulls
     overlap would push each other although they do not touch: they are joined as weakly as the weaker of them is anywhere.
+    moved: the matrix from the manifest's space to the world.
     """
     collection = bpy.data.collections.new(limited(above.name, 5) + " glue")
     collection["sherd_glue"] = True
@@ -46,14 +47,14 @@ def glue(context, above, pieces, manifest, strength):
     joined, least = set(), {}
     for one, other, area, place in contacts_of(manifest):
         if one in of and other in of:
-            join(world_of(context), collection, of[one], of[other], area, place, strength)
+            join(world_of(context), collection, of[one], of[other], area, moved @ Vector(place), strength)
             joined.add((one, other))
             for each in (one, other):
                 least[each] = min(area, least.get(each, area))
             yield
     if pieces[0].rigid_body.collision_shape != "CONVEX_HULL":
         return
-    at = {number: corners_of(piece, Matrix.Translation(piece.location)) for number, piece in of.items() if number in least}
+    at = {number: corners_of(piece, piece.matrix_basis) for number, piece in of.items() if number in least}
     for one, other in overlapping(at, joined):
         if other:
             place = (of[one].location + of[other].location) / 2

@@ -11,7 +11,7 @@ import time
 import bpy
 from mathutils import Matrix
 
-from .again import finished, home_of, origin_of, renew_neighbors
+from .again import finished, folder_of, origin_of, renew_neighbors
 from .diagnosis import counted, sentences
 from .export_mesh import Source
 from .failure import Failure
@@ -131,9 +131,11 @@ class Job:
             self.notes.append(f"the {' and '.join(applied)} of {thing.name} are applied to its pieces")
 
     def keep_home(self, thing):
-        """Leaves the folder of the fracture that an object is a piece of as it is."""
-        if self.kept and home_of(thing, self.out) == os.path.realpath(self.out):
-            self.out = os.path.join(self.out, file_name(thing.name))
+        """Leaves the folder of the fracture that an object is a piece of as it is, and those that this one is in."""
+        home = folder_of(thing) if self.kept else None
+        out = os.path.realpath(self.out)
+        if home and os.path.commonpath([home, out]) == out:
+            self.out = os.path.join(home, file_name(thing.name))
             self.notes.append(f"{thing.name} is not as its file is, or needs options of a whole: it was broken as a mesh, and "
                               f"its files are in {self.out}")
 
@@ -209,9 +211,16 @@ class Job:
             if not self.choices.preview:
                 self.move_glue(context, manifest)
             self.hide(context)
-        if self.again and self.kept:
-            renew_neighbors(self.again, manifest, self.fragments)
         self.complete = True
+        if self.again and self.kept:
+            self.renew(manifest)
+
+    def renew(self, manifest):
+        """Tells the other pieces what they face now.  The new ones stay whatever comes of it."""
+        try:
+            renew_neighbors(self.again, manifest, self.fragments)
+        except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+            self.notes.append(f"the neighbors of {self.name} keep the numbers that they faced before: {error}")
 
     def name_preview(self):
         """Marks a preview, and leaves the fragments' names to the final."""
@@ -230,7 +239,7 @@ class Job:
             make_body(world_of(context), fragment, self.choices)  # anew: undo between steps may replace the world
             yield
         if self.choices.glue:
-            yield from glue(context, self.collection, self.fragments, manifest, self.choices.strength)
+            yield from glue(context, self.collection, self.fragments, manifest, self.choices.strength, self.moved)
 
     def move_glue(self, context, manifest):
         """Gives the glue of an object that is a piece itself to its fragments."""
@@ -275,8 +284,12 @@ class Job:
 
     def place(self, origin):
         """The matrix of a fragment in world space."""
-        rest = Matrix.Translation(origin)
-        return self.again.moved @ rest if self.again else rest
+        return self.moved @ Matrix.Translation(origin)
+
+    @property
+    def moved(self):
+        """The matrix from the fracture's space to where the object is."""
+        return self.again.moved if self.again else Matrix.Identity(4)
 
     def take_place(self, fragment):
         """Gives a fragment, in world space, the object's parent and what it is displayed by."""
