@@ -136,26 +136,24 @@ void VoxelOwners::findOwners(std::size_t slot) {
 std::uint32_t VoxelOwners::ownerAt(const glm::dvec3& p,
                                    const TriangleTree::Nearest& nearest) const {
   const auto componentOf = [&](std::uint32_t t) { return components_.ofTriangle[tree_.source(t)]; };
-  const auto nearestOn = [&](const std::array<glm::dvec3, 3>& t) {
-    return nearestOnTriangle(p, t[0], t[1], t[2]);
-  };
   const std::array<glm::dvec3, 3> own = tree_.corners(nearest.triangle);
+  const ClosestOfTriangle closest = closestOfTriangle(p, own[0], own[1], own[2]);
   const glm::dvec3 normal = glm::cross(own[1] - own[0], own[2] - own[0]);
-  if (glm::dot(normal, p - nearestOn(own)) < 0.0) return componentOf(nearest.triangle);
-  // The voxel is inside, and in front of its nearest triangle.
+  if (closest.feature == TriangleFeature::face && glm::dot(normal, p - closest.point) < 0.0) {
+    return componentOf(nearest.triangle);
+  }
+  // The voxel is inside, and may be in front of its nearest surface.
   const double reach = nearest.distance + kEquallyNear * (1.0 + glm::length(p));
-  std::map<std::uint32_t, glm::dvec3> pseudonormal;
+  std::map<std::uint32_t, double> side;  // of components: below 0 behind them
   for (const std::uint32_t t : tree_.meeting({p - reach, p + reach})) {
     const std::array<glm::dvec3, 3> corners = tree_.corners(t);
-    const glm::dvec3 at = nearestOn(corners);
+    const glm::dvec3 at = nearestOnTriangle(p, corners[0], corners[1], corners[2]);
     if (glm::length(p - at) > reach) continue;
-    pseudonormal.try_emplace(componentOf(t), 0.0).first->second += pseudonormalPart(corners, at);
+    side[componentOf(t)] += glm::dot(pseudonormalPart(corners, at), p - at);
   }
-  const glm::dvec3 out = p - nearestOn(own);
-  for (const auto& [component, sum] : pseudonormal) {
-    if (glm::dot(sum, out) < 0.0) return component;
-  }
-  return componentOf(nearest.triangle);
+  const auto least = std::ranges::min_element(
+      side, [](const auto& one, const auto& other) { return one.second < other.second; });
+  return least == side.end() ? componentOf(nearest.triangle) : least->first;
 }
 
 std::uint32_t VoxelOwners::ownerOf(std::size_t voxel) const {

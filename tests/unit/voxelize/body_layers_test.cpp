@@ -4,6 +4,7 @@
 #include <sherd/labels.h>
 #include <sherd/seeds.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
@@ -302,24 +303,28 @@ TEST_F(BodyLayers, ExactFragmentsAreOfOneBody) {
   }
 }
 
-// A box of three cells along x, so that the nearest of several triangles may be any.
-TriangleMesh slab(double low, double high) {
+// A box of cells along x, so that the nearest of several triangles may be any.
+TriangleMesh slab(double low, double high, unsigned cells = 3, double length = 3.0,
+                  double width = 1.0) {
   TriangleMesh mesh;
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 4; ++k) mesh.vertices.emplace_back(i, k & 1, (k & 2) == 0 ? low : high);
+  for (unsigned i = 0; i <= cells; ++i) {
+    for (unsigned k = 0; k < 4; ++k) {
+      mesh.vertices.emplace_back(length * i / cells, (k & 1) == 0 ? 0.0 : width,
+                                 (k & 2) == 0 ? low : high);
+    }
   }
   const auto add = [&](unsigned a, unsigned b, unsigned c, unsigned d) {
     mesh.triangles.emplace_back(a, b, c);
     mesh.triangles.emplace_back(a, c, d);
   };
-  for (unsigned i = 0; i < 12; i += 4) {
+  for (unsigned i = 0; i < 4 * cells; i += 4) {
     add(i, i + 1, i + 5, i + 4);
     add(i + 2, i + 6, i + 7, i + 3);
     add(i, i + 4, i + 6, i + 2);
     add(i + 1, i + 3, i + 7, i + 5);
   }
   add(0, 2, 3, 1);
-  add(12, 13, 15, 14);
+  add(4 * cells, 4 * cells + 1, 4 * cells + 3, 4 * cells + 2);
   return mesh;
 }
 
@@ -348,6 +353,42 @@ TEST_F(BodyLayers, AGapOfTheLastBitIsOne) {
       const double z = result.solid.frame.worldFromIndex(glm::dvec3(at.x(), at.y(), at.z())).z;
       EXPECT_EQ(z < middle, isBelow[result.labels.fragment[voxel]]);
     });
+  }
+}
+
+// A voxel midway in a plate is as near to its other face as to the plane that it has in common.
+TEST_F(BodyLayers, AThinPlateBesideAGapOfTheLastBitIsThere) {
+  const double voxel = 0.9, side = 24.0 * voxel;
+  const auto at = [&](double index) { return (index + 0.5) * voxel; };
+  double below = at(8.25);  // the lower one of two numbers that are 8.25 voxels
+  for (int i = 0; i < 4; ++i) below = std::nextafter(below, 0.0);
+  while ((below - at(0.0)) / voxel < 8.25) below = std::nextafter(below, 9.0);
+  const double above = std::nextafter(below, 9.0);
+  ASSERT_EQ((above - at(0.0)) / voxel, 8.25);
+  const auto moved = [&](TriangleMesh mesh, double by) {
+    for (glm::dvec3& v : mesh.vertices) v += glm::dvec3(by, by, 0.0);
+    return mesh;
+  };
+  const TriangleMesh corners =
+      shapes::append(slab(0.0, voxel, 1, voxel, voxel),
+                     moved(slab(30 * voxel, 32 * voxel, 1, 2 * voxel, 2 * voxel), 30 * voxel));
+  for (const auto& [first, second] : {std::pair{3u, 3u}, {3u, 7u}, {7u, 3u}, {40u, 40u}}) {
+    for (const bool isReversed : {false, true}) {
+      Bodies bodies{moved(slab(at(7.75), below, first, side, side), 2 * voxel),
+                    moved(slab(above, at(9.4), second, side, side), 2 * voxel)};
+      if (isReversed) std::reverse(bodies.begin(), bodies.end());
+      bodies.push_back(corners);
+      const Solid solid = voxelize(shapes::joined(bodies), {.voxelSize = voxel});
+      ASSERT_EQ(solid.frame.origin, glm::dvec3(voxel / 2.0));
+      const std::vector<int> body = bodiesOfVoxels(solid, bodies);
+      std::map<int, std::set<std::size_t>> layers;  // of bodies
+      solid.blocks->forEachInside([&](std::size_t v) {
+        if (body[v] >= 0) layers[body[v]].insert(solid.blocks->layerOf(v));
+      });
+      EXPECT_EQ(layers[0].size(), 1u);
+      EXPECT_EQ(layers[1].size(), 1u);
+      EXPECT_NE(layers[0], layers[1]);
+    }
   }
 }
 
