@@ -79,8 +79,8 @@ def read_file(entry, folder):
 
 
 def is_rigid(world):
-    turn = np.array(world, float)[:3, :3]
-    return np.linalg.det(turn) > 0 and np.abs(turn @ turn.T - np.eye(3)).max() <= RIGID
+    rotation = np.array(world, float)[:3, :3]
+    return np.linalg.det(rotation) > 0 and np.abs(rotation @ rotation.T - np.eye(3)).max() <= RIGID
 
 
 def finished(thing, mesh, world, folder):
