@@ -25,7 +25,9 @@ from ._values import path_text
 __all__ = ["write_parquet"]
 
 _SPLITS = ("train", "val", "test")
-_ROWS = 64  # of a row group
+_ROWS = 64  # of a row group, at most
+_POINTS = 1 << 20  # as many end a row group, which is held in memory
+_OF_POINTS = ("positions", "normals", "neighbor", "fragment")
 _POSE = {"rotation": 4, "center": 3, "truth_rotation": 4, "truth_translation": 3}
 _DAMAGES = (KeyError, TypeError, ValueError, OverflowError, AttributeError)
 
@@ -44,7 +46,7 @@ def write_parquet(dataset: str | os.PathLike[str], folder: str | os.PathLike[str
     dataset : path
         The folder of a finished ``sherd dataset`` or ``sherd assemblage`` with points: ``--points N --point-format npz``, in the layout ``sherd`` or ``bb``.
     folder : path
-        For the files; it is made.  Files of these names are replaced.
+        For the files; it is made.  Once all are complete, they replace files of these names, and one of a split without fractures is removed.
 
     Raises
     ------
@@ -79,38 +81,61 @@ def write_parquet(dataset: str | os.PathLike[str], folder: str | os.PathLike[str
 
 
 def _write(rows: Iterator[dict[str, Any]], schema: Any, target: pathlib.Path, source: pathlib.Path) -> set[str]:
-    """Writes rows to files by split, all or none, and returns the splits."""
+    """Writes rows to files by split, which take the places of earlier ones when all are complete, and returns the splits."""
     import pyarrow
     import pyarrow.parquet
 
     writers: dict[str, Any] = {}
     pending: dict[str, list[dict[str, Any]]] = {}
+    points: dict[str, int] = {}
 
     def flush(split: str) -> None:
         if split not in writers:
             writers[split] = pyarrow.parquet.ParquetWriter(target / f".{split}.parquet.partial", schema, compression="zstd")
         try:
-            table = pyarrow.Table.from_pylist(pending.pop(split), schema)
+            points.pop(split)
+            table = _table(pyarrow, pending.pop(split), schema)
         except (pyarrow.ArrowException, *_DAMAGES) as damage:
             raise FileError(f"{source / 'index.jsonl'}: has values of other kinds: {damage}") from None
         writers[split].write_table(table)
 
     try:
         for row in rows:
-            pending.setdefault(row["split"], []).append(row)
-            if len(pending[row["split"]]) == _ROWS:
-                flush(row["split"])
+            split = row["split"]
+            pending.setdefault(split, []).append(row)
+            points[split] = points.get(split, 0) + sum(len(part) for part in row["fragment"])
+            if len(pending[split]) == _ROWS or points[split] >= _POINTS:
+                flush(split)
         for split in list(pending):
             flush(split)
         for writer in writers.values():
             writer.close()
         for split in writers:
             os.replace(target / f".{split}.parquet.partial", target / f"{split}.parquet")
+        if writers:
+            for split in set(_SPLITS) - set(writers):  # of an earlier run
+                (target / f"{split}.parquet").unlink(missing_ok=True)
     finally:
         for split, writer in writers.items():
             writer.close()
             (target / f".{split}.parquet.partial").unlink(missing_ok=True)
     return set(writers)
+
+
+def _table(pa: Any, rows: list[dict[str, Any]], schema: Any) -> Any:
+    """The rows as a table.  Columns of points are lists of arrays, joined without an object for each point."""
+    rest = pa.Table.from_pylist(rows, pa.schema([field for field in schema if field.name not in _OF_POINTS]))
+    columns = []
+    for field in schema:
+        if field.name not in _OF_POINTS:
+            columns.append(rest.column(field.name))
+            continue
+        offsets = np.cumsum([0, *(sum(len(part) for part in row[field.name]) for row in rows)], dtype=np.int64)
+        kind = np.dtype(np.float32 if field.name in _OF_POINTS[:2] else np.int32)
+        flat = np.concatenate([np.empty(0, kind), *(part.reshape(-1) for row in rows for part in row[field.name])], dtype=kind)
+        values = pa.array(flat) if kind == np.int32 else pa.FixedSizeListArray.from_arrays(pa.array(flat), 3)
+        columns.append(pa.ListArray.from_arrays(pa.array(offsets, pa.int32()), values))
+    return pa.Table.from_arrays(columns, schema=schema)
 
 
 def _schema(pa: Any) -> Any:
@@ -156,7 +181,12 @@ def _meshes(dataset: pathlib.Path) -> dict[str, dict[str, str]]:
     if not file.exists():
         return {}
     try:
-        return {str(mesh["object"]): mesh for mesh in json.loads(_read(file))["meshes"]}
+        meshes: dict[str, dict[str, str]] = {}
+        for mesh in json.loads(_read(file))["meshes"]:
+            meshes[mesh["object"]] = {name: mesh[name] for name in ("object", "sha256", "license") if name in mesh}
+            for text in meshes[mesh["object"]].values():
+                str.encode(text)
+        return meshes
     except (*_DAMAGES, RecursionError):
         raise FileError(f"{file}: is damaged") from None
 
@@ -198,13 +228,16 @@ def _row(dataset: pathlib.Path, fragments: list[dict[str, Any]], first: dict[str
     row |= {"options": json.dumps(first["options"]), "source": first["object"] if mesh else None, "sha256": mesh.get("sha256"), "license": mesh.get("license")}
     row |= {"id": ids, "contacts": pairs, **{name: [fragment[name] for fragment in fragments] for name in ("share", "volume")}}
     row |= {name: [fragment[name] for fragment in fragments] for name in ("mesh", *_POSE) if name in first}
-    row |= {name: [value for part in points for value in part[k]] for k, name in enumerate(("positions", "normals", "neighbor"))}
-    return row | {"fragment": [own for own, part in zip(ids, points) for _ in range(len(part[0]))]}
+    row |= {name: [part[k] for part in points] for k, name in enumerate(("positions", "normals", "neighbor"))}
+    return row | {"fragment": [np.full(len(part[0]), own, np.int32) for own, part in zip(ids, points)]}
 
 
 def _points(dataset: pathlib.Path, fragment: dict[str, Any]) -> tuple[Any, Any, Any]:
     """Positions, normals and neighbors of the points of a fragment."""
     found = [(name, sha256) for name, sha256 in zip(fragment["files"], fragment["sha256"]) if "points" in name.split("/") and name.endswith(".npz")]
+    packed = [name for name in fragment["files"] if "points" in name.split("/") and ".npz." in name.split("/")[-1]]
+    if packed and not found:
+        raise FileError(f"{dataset}: {packed[0]} is compressed; make the dataset without --compress")
     if not found:
         raise FileError(f"{dataset}: {fragment['object']}, {fragment['fracture']} has no points in .npz; give sherd dataset --points N --point-format npz")
     name, sha256 = found[0]
@@ -215,7 +248,8 @@ def _points(dataset: pathlib.Path, fragment: dict[str, Any]) -> tuple[Any, Any, 
         raise FileError(f"{path}: differs from its checksum in the index")
     try:
         with np.load(path, allow_pickle=False) as arrays:
-            positions, normals, neighbor = (arrays[name] for name in ("positions", "normals", "neighbor"))
+            positions, normals = (arrays[name].astype(np.float32, casting="same_kind", copy=False) for name in ("positions", "normals"))
+            neighbor = arrays["neighbor"].astype(np.int32, casting="same_kind", copy=False)
     except (OSError, zipfile.BadZipFile, *_DAMAGES):
         raise FileError(f"{path}: is damaged") from None
     if positions.ndim != 2 or positions.shape[1] != 3 or normals.shape != positions.shape or neighbor.shape != positions.shape[:1]:

@@ -1,8 +1,10 @@
 """Datasets as Parquet: what pyarrow and pandas read again, beside the files themselves; what is refused."""
+import hashlib
 import json
 import os
 import subprocess
 import sys
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -140,6 +142,66 @@ def test_damaged_points_are_found(tmp_path):
     path.write_bytes(path.read_bytes()[:-1] + b"x")
     with pytest.raises(pysherd.FileError, match="differs from its checksum"):
         write_parquet(out, tmp_path / "parquet")
+
+
+def test_damaged_recipes_are_named(tmp_path):
+    out = made(tmp_path, "--repeats", "1..1", "--pieces", "2..2")
+    recipe = json.loads((out / "recipe.json").read_text())
+    for change in ({"sha256": 7}, {"license": [1]}, {"object": 3}, {"license": "\ud800"}):
+        (out / "recipe.json").write_text(json.dumps({**recipe, "meshes": [{**recipe["meshes"][0], **change}, *recipe["meshes"][1:]]}))
+        with pytest.raises(pysherd.FileError, match="recipe.json: is damaged"):
+            write_parquet(out, tmp_path / "parquet")
+
+
+def test_compressed_points_are_named(tmp_path):
+    out = made(tmp_path, "--compress", "zstd", "--repeats", "1..1", "--pieces", "2..2")
+    with pytest.raises(pysherd.FileError, match=r"\.npz\.zst is compressed; make the dataset without --compress"):
+        write_parquet(out, tmp_path / "parquet")
+
+
+def test_files_of_earlier_splits_are_removed(tmp_path):
+    (tmp_path / "parquet").mkdir()
+    for name in ("train.parquet", "val.parquet", "test.parquet", "notes.txt"):
+        (tmp_path / "parquet" / name).write_text("old")
+    one = made(tmp_path, "--split", "1/0/0", "--repeats", "1..1", "--pieces", "2..2")
+    assert write_parquet(one, tmp_path / "parquet") == [tmp_path / "parquet" / "train.parquet"]
+    assert sorted(p.name for p in (tmp_path / "parquet").iterdir()) == ["notes.txt", "train.parquet"]
+    (one / "index.jsonl").write_text("{}\n")
+    with pytest.raises(pysherd.FileError):  # and what fails removes none
+        write_parquet(one, tmp_path / "parquet")
+    assert sorted(p.name for p in (tmp_path / "parquet").iterdir()) == ["notes.txt", "train.parquet"]
+
+
+def test_points_take_their_size_in_memory(tmp_path):
+    """Of eight fractures with 300,000 points each, at 32 bytes a point, no more than four are held, however few the rows."""
+    out, count = tmp_path / "out", 150_000
+    (out / "points").mkdir(parents=True)
+    (out / "dataset.json").write_text(json.dumps({"layout": "sherd", "seed": 0, "options": ""}))
+    random = np.random.default_rng(1)
+    files = {}
+    for own in (1, 2):
+        files[own] = f"points/{own}.npz"
+        normals = random.random((count, 3), np.float32)
+        np.savez(out / files[own], positions=normals + own, normals=normals, neighbor=np.full(count, 3 - own, np.int32))
+    sums = {own: hashlib.sha256((out / name).read_bytes()).hexdigest() for own, name in files.items()}
+    with open(out / "index.jsonl", "w") as index:
+        for repeat in range(8):
+            for own in (1, 2):
+                row = {"object": "a", "fracture": f"2f_{repeat}", "split": "train", "pieces": 2, "repeat": repeat, "seed": 1, "options": {}, "withheld": False,
+                       "id": own, "share": 0.5, "volume": 1.0, "contacts": [[3 - own, 1.0]], "files": [files[own]], "sha256": [sums[own]]}
+                index.write(json.dumps(row) + "\n")
+    tracemalloc.start()
+    path, = write_parquet(out, tmp_path / "parquet")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 2.5 * 4 * 2 * count * 32  # four fractures, and as much to join them
+    file = pq.ParquetFile(path)
+    assert file.num_row_groups == 2 and file.metadata.num_rows == 8
+    row = file.read_row_group(1, columns=["positions", "fragment", "neighbor"]).slice(3, 1)
+    positions = row.column("positions").combine_chunks().flatten().flatten().to_numpy().reshape(-1, 3)
+    assert np.array_equal(positions, np.concatenate([np.load(out / files[own])["positions"] for own in (1, 2)]))
+    fragment, neighbor = (row.column(name).combine_chunks().flatten().to_numpy() for name in ("fragment", "neighbor"))
+    assert np.array_equal(fragment, np.repeat([1, 2], count)) and np.array_equal(neighbor, 3 - fragment)
 
 
 def test_the_command(dataset, tmp_path):
