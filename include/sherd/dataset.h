@@ -34,12 +34,18 @@ struct LibraryObject {
   std::string license{};               ///< as LibraryOptions::licenses has it; empty: not stated
 };
 
+/// The license of a mesh, or of those that a pattern matches.
+struct MeshLicense {
+  std::string mesh;  ///< its key, or a shell pattern as LibraryOptions::match
+  std::string license;
+};
+
 struct LibraryOptions {
   std::string match;      ///< shell pattern that keys must match, '*' also matches '/'; empty: all
   std::size_t limit = 0;  ///< keeps only the first `limit` matches; 0: all
-  std::set<std::string> keys{};  ///< keeps only these, which must all be there; empty: all
-  std::map<std::string, std::string> licenses{};  ///< by key, or by a pattern as `match` where no
-                                                  ///< key is equal: the first that matches
+  std::set<std::string> keys{};         ///< keeps only these, which must all be there; empty: all
+  std::vector<MeshLicense> licenses{};  ///< a mesh has the one of its key, else of the first
+                                        ///< pattern that matches
 };
 
 /// Returns the meshes and volumes of a library, ascending by key.
@@ -187,6 +193,9 @@ struct DatasetCallbacks {
   std::function<void(const DatasetProgress&)> fractured{};  ///< after each fracture, in order
   std::function<void(const std::string& object, const Error& reason)> failed{};
   std::function<void(const std::string& sentence)> warning{};
+  /// With `replace`, called with the folder of the complete new dataset, but not for a shard: what
+  /// it throws leaves the old one in its place.
+  std::function<void(const std::filesystem::path& made)> beforeReplacing{};
   const Progress* progress = nullptr;  ///< only `cancelled` is called; true stops the run
 };
 
@@ -301,9 +310,8 @@ struct DatasetRecipe {
 };
 
 /// Reads a recipe.
-///   throws  Error(input) with the file's name: not a recipe, above 64 MiB, a field is missing or
-///   of
-///           another kind
+///   throws  Error(input) with the file's name: not a recipe, above 1 GiB; a field is missing, or
+///           of another kind
 [[nodiscard]] DatasetRecipe readRecipe(const std::filesystem::path& file);
 
 /// Returns the options of the recipe's dataset, for its meshes alone.  Options that name other
@@ -312,8 +320,11 @@ struct DatasetRecipe {
 [[nodiscard]] DatasetOptions optionsOfRecipe(const DatasetRecipe& recipe);
 
 /// Checks that a library has all meshes of a recipe, as they were.
-///   throws  Error(input) one is missing, or is another file than that of the recipe
-void requireMeshes(const std::filesystem::path& library, const DatasetRecipe& recipe);
+///   progress  only `cancelled` is called, before each mesh is read
+///   throws    Error(input) one is missing, or is another file than that of the recipe;
+///             Error(cancelled)
+void requireMeshes(const std::filesystem::path& library, const DatasetRecipe& recipe,
+                   const Progress* progress = nullptr);
 
 /// Returns a sentence for each object that differs between two recipes, with its fractures.
 [[nodiscard]] std::vector<std::string> differences(const DatasetRecipe& asked,
@@ -321,7 +332,14 @@ void requireMeshes(const std::filesystem::path& library, const DatasetRecipe& re
 
 /// Reads licenses of meshes: a line for each, a key or a shell pattern, a tab, and the license; '#'
 /// starts a comment.
-///   throws  Error(input) with the file's name: above 16 MiB, a line without a tab
-[[nodiscard]] std::map<std::string, std::string> readLicenses(const std::filesystem::path& file);
+///   return  in the order of the file
+///   throws  Error(input) with the file's name: above 16 MiB, a line without a tab, a key or a
+///           pattern twice
+[[nodiscard]] std::vector<MeshLicense> readLicenses(const std::filesystem::path& file);
+
+/// Returns the keys and patterns of licenses that match no mesh of a library.
+///   throws  Error(input) as findObjects
+[[nodiscard]] std::vector<std::string> idleLicenses(const std::filesystem::path& library,
+                                                    const std::vector<MeshLicense>& licenses);
 
 }  // namespace sherd

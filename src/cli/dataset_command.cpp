@@ -40,7 +40,24 @@ struct DatasetArguments {
   bool quiet = false;
 };
 
-void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
+// Adds what concerns recipe.json, which assemblages do not have.
+void addRecipeOptions(CLI::App& command, DatasetArguments& arguments) {
+  const std::string group = "Run";
+  command
+      .add_option("--licenses", arguments.licenses,
+                  "File with the licenses of meshes, for recipe.json: a line for each, its path in "
+                  "the library or a pattern, a tab, and the license")
+      ->type_name("FILE")
+      ->group(group);
+  command
+      .add_option("--recipe", arguments.recipeFile,
+                  "Make the dataset of a recipe.json again from the same meshes, and compare all "
+                  "files by their checksums")
+      ->type_name("FILE")
+      ->group(group);
+}
+
+void addRunOptions(CLI::App& command, DatasetArguments& arguments, bool isAssemblage) {
   const std::string group = "Run";
   command
       .add_flag("--verify", arguments.verify,
@@ -54,18 +71,7 @@ void addRunOptions(CLI::App& command, DatasetArguments& arguments) {
   command
       .add_flag("--dry-run", arguments.dryRun, "Only estimate files and time, from a few objects")
       ->group(group);
-  command
-      .add_option("--licenses", arguments.licenses,
-                  "File with the licenses of meshes, for recipe.json: a line for each, its path in "
-                  "the library or a pattern, a tab, and the license")
-      ->type_name("FILE")
-      ->group(group);
-  command
-      .add_option("--recipe", arguments.recipeFile,
-                  "Make the dataset of a recipe.json again from the same meshes, and compare all "
-                  "files by their checksums")
-      ->type_name("FILE")
-      ->group(group);
+  if (!isAssemblage) addRecipeOptions(command, arguments);
   addConfig(command)->group(group);
 }
 
@@ -97,20 +103,56 @@ void useRecipe(const CLI::App& command, DatasetArguments& arguments) {
   options.objectTimeout = run.objectTimeout;
 }
 
-// Refuses a dataset whose files are others than the recipe's.
-void compareWithRecipe(const DatasetRecipe& recipe, const std::filesystem::path& folder,
+// Warns of each mesh whose files are others than the recipe's.  Returns a sentence on all; empty:
+// there are none.
+std::string comparison(const DatasetRecipe& recipe, const std::filesystem::path& folder,
                        const DatasetCallbacks& callbacks) {
   const DatasetRecipe made = readRecipe(folder / "recipe.json");
   const std::vector<std::string> sentences = differences(recipe, made);
-  if (sentences.empty()) return;
+  if (sentences.empty()) return {};
   for (const std::string& sentence : sentences) callbacks.warning(sentence);
   const std::string versions =
       made.program == recipe.program
           ? std::string()
           : "; it was made by sherd " + recipe.program + ", this is sherd " + made.program;
-  throw Error(ErrorCode::input, std::to_string(sentences.size()) + " of " +
-                                    std::to_string(recipe.meshes.size()) +
-                                    " meshes gave other files than the recipe's" + versions);
+  return std::to_string(sentences.size()) + " of " + std::to_string(recipe.meshes.size()) +
+         " meshes gave other files than the recipe's" + versions;
+}
+
+// Reads all files again.
+//   changed  the dataset's own files that differed before the run
+void verify(const DatasetArguments& arguments, const std::filesystem::path& folder,
+            const std::vector<std::string>& changed, DatasetPrinter& printer) {
+  DatasetCheck check = verifyDataset(folder, &untilInterrupted(), arguments.options.shard);
+  // Those that were not written anew differ still.
+  std::set<std::string> problems(check.problems.begin(), check.problems.end());
+  problems.insert(changed.begin(), changed.end());
+  check.problems.assign(problems.begin(), problems.end());
+  printer.printVerified(folder.string(), check);
+}
+
+// Keeps the old dataset where the new one is not that of the recipe.
+void compareBeforeReplacing(const DatasetArguments& arguments, DatasetPrinter& printer,
+                            DatasetCallbacks& callbacks) {
+  callbacks.beforeReplacing = [&](const std::filesystem::path& made) {
+    const std::string reason = comparison(*arguments.recipe, made, callbacks);
+    if (reason.empty()) return;
+    if (arguments.verify) verify(arguments, made, {}, printer);
+    throw Error(ErrorCode::input, reason + ", so " + arguments.folder +
+                                      " keeps its dataset; the new one is in " + made.string() +
+                                      ", and sherd merge puts it in place");
+  };
+}
+
+// Says which of the licenses match no mesh: a name is mistyped, or the mesh is gone.
+void warnOfIdleLicenses(const DatasetArguments& arguments, const DatasetCallbacks& callbacks) {
+  if (arguments.licenses.empty()) return;
+  const std::vector<MeshLicense>& all = arguments.options.library.licenses;
+  const std::vector<std::string> idle = idleLicenses(arguments.library, all);
+  if (idle.empty()) return;
+  callbacks.warning(arguments.licenses + ": " + std::to_string(idle.size()) + " of " +
+                    std::to_string(all.size()) + " licenses match no mesh, the first is of " +
+                    idle.front());
 }
 
 void runDatasetCommand(DatasetArguments& arguments) {
@@ -134,6 +176,11 @@ void runDatasetCommand(DatasetArguments& arguments) {
   callbacks.progress = &untilInterrupted();
   for (const std::string& sentence : arguments.idle) callbacks.warning(sentence);
   try {
+    warnOfIdleLicenses(arguments, callbacks);
+    if (arguments.recipe) {
+      requireMeshes(arguments.library, *arguments.recipe, &untilInterrupted());
+      compareBeforeReplacing(arguments, printer, callbacks);
+    }
     if (arguments.dryRun) {
       return printer.printForecast(forecastDataset(arguments.library, arguments.folder, options,
                                                    device, &untilInterrupted()));
@@ -141,10 +188,8 @@ void runDatasetCommand(DatasetArguments& arguments) {
     // Before the run writes them anew.  Whoever removes one wants that.
     std::vector<std::string> changed;
     if (arguments.verify && !options.replace) changed = changedOwnFiles(arguments.folder, false);
-    if (arguments.recipe) requireMeshes(arguments.library, *arguments.recipe);
     const DatasetSummary summary =
         runDataset(arguments.library, arguments.folder, options, device, callbacks);
-    const std::string folder = summary.folder.string();
     const std::string failures = (summary.folder / "failures.jsonl").string();
     if (summary.objects == 0 && summary.failures > 0) {
       throw Error(ErrorCode::input, "no object could be broken; " + failures + " has the reasons");
@@ -155,15 +200,11 @@ void runDatasetCommand(DatasetArguments& arguments) {
                                         (summary.failures == 1 ? " object" : " objects") +
                                         " could not be broken; " + failures + " has the reasons");
     }
-    if (arguments.recipe && summary.complete)
-      compareWithRecipe(*arguments.recipe, summary.folder, callbacks);
-    if (!arguments.verify) return;
-    DatasetCheck check = verifyDataset(folder, &untilInterrupted(), options.shard);
-    // Those that were not written anew differ still.
-    std::set<std::string> problems(check.problems.begin(), check.problems.end());
-    problems.insert(changed.begin(), changed.end());
-    check.problems.assign(problems.begin(), problems.end());
-    printer.printVerified(folder, check);
+    const std::string other = arguments.recipe && summary.complete
+                                  ? comparison(*arguments.recipe, summary.folder, callbacks)
+                                  : std::string();
+    if (arguments.verify) verify(arguments, summary.folder, changed, printer);
+    if (!other.empty()) throw Error(ErrorCode::input, other);
   } catch (const Error&) {
     printer.stopped();
     throw;
@@ -276,6 +317,10 @@ std::vector<std::string> idleOptionsOf(const CLI::App& command, const DatasetArg
         "--compress zstd is the same as zip with --layout packed, which deflates archives");
   }
   addIdleOfLayout(layout, use, sentences);
+  if (use.isGiven("licenses") && options.assemblage.most > 1) {
+    sentences.push_back(use.spelled("licenses") +
+                        " does nothing with --objects, as assemblages have no recipe.json");
+  }
   for (const char* option : {"verify", "resume", "replace"}) {
     if (arguments.dryRun && use.isGiven(option)) {
       sentences.push_back(use.spelled(option) +
@@ -321,7 +366,7 @@ CLI::App* addCommand(CLI::App& app, Action& run, bool isAssemblage) {
   addFolders(*command, *arguments);
   if (isAssemblage) arguments->options = assemblageDefaults();
   addDatasetOptions(*command, arguments->options);
-  addRunOptions(*command, *arguments);
+  addRunOptions(*command, *arguments, isAssemblage);
   addMachineOptions(*command, arguments->machine);
   command->add_flag("--json", arguments->json, "Print JSON, an event a line");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but warnings and errors");

@@ -14,6 +14,7 @@
 #include "base/input_error.h"
 #include "base/text/lower_case.h"
 #include "base/text/printable.h"
+#include "dataset/recipe/licenses.h"
 
 namespace sherd {
 namespace {
@@ -145,16 +146,6 @@ void keepOnly(const std::set<std::string>& keys, const fs::path& library,
                           " meshes, the first is " + printable(first));
 }
 
-std::string licenseOf(const std::string& key, const std::map<std::string, std::string>& licenses) {
-  const auto found = licenses.find(key);
-  if (found != licenses.end()) return found->second;
-  for (const auto& [pattern, license] : licenses) {
-    const bool isPattern = pattern.find_first_of("*?[") != std::string::npos;
-    if (isPattern && ::fnmatch(pattern.c_str(), key.c_str(), 0) == 0) return license;
-  }
-  return {};
-}
-
 }  // namespace
 
 std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOptions& options,
@@ -180,7 +171,7 @@ std::vector<LibraryObject> findObjects(const fs::path& library, const LibraryOpt
   found.erase(std::unique(found.begin(), found.end(), sameKey), found.end());
   nameFolders(found);  // before the selection: a narrower one must not change names
   if (!options.keys.empty()) keepOnly(options.keys, library, found);
-  for (LibraryObject& object : found) object.license = licenseOf(object.key, options.licenses);
+  addLicenses(found, options.licenses);
   if (!options.match.empty()) {
     std::erase_if(found, [&](const LibraryObject& object) {
       return ::fnmatch(options.match.c_str(), object.key.c_str(), 0) != 0;

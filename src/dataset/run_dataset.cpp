@@ -6,8 +6,10 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "base/cancel_flag.h"
 #include "base/files/atomic_file.h"
@@ -74,8 +76,18 @@ void requireSameAssemblages(const fs::path& out, const DatasetPlan& before,
               OptionNames{"replace"});
 }
 
+// Takes the licenses of an earlier run, where this one states none.
+void keepLicenses(const DatasetPlan& before, DatasetPlan& plan) {
+  std::map<std::string_view, std::string_view> licenses;
+  for (const LibraryObject& object : before.objects) licenses[object.key] = object.license;
+  for (LibraryObject& object : plan.objects) {
+    const auto found = licenses.find(object.key);
+    if (found != licenses.end()) object.license = found->second;
+  }
+}
+
 // Prepares the folder for this run.
-void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOptions& options) {
+void prepareFolder(const fs::path& out, DatasetPlan& plan, const DatasetOptions& options) {
   if (hasPlan(out)) {
     const DatasetPlan before = readPlan(out);
     if (!isIdentityOf(options, before.text) || before.layout != plan.layout) {
@@ -92,6 +104,7 @@ void prepareFolder(const fs::path& out, const DatasetPlan& plan, const DatasetOp
                   OptionNames{"resume", "replace"});
     }
     requireSameAssemblages(out, before, plan);
+    if (options.library.licenses.empty()) keepLicenses(before, plan);
     if (readFileBytes(out / kPlanName) != planText(plan)) writePlan(out, plan);
     return;
   }
@@ -347,6 +360,7 @@ DatasetSummary replaceIn(const fs::path& out, const fs::path& library, DatasetOp
                     "the option out",
                 OptionNames{"strict"});
   }
+  if (callbacks.beforeReplacing) callbacks.beforeReplacing(replacement.fresh());
   warnOf(callbacks, replacement.putInPlace());
   return summary;
 }

@@ -62,7 +62,7 @@ class Recipe(CommandLine):
             file.write("# made for the test\nvases/*\tCC-BY-4.0\r\nball.obj\tCC0-1.0\n*\tunknown\n")
         recipe = self.made("--licenses", licenses)
         self.assertEqual([m["object"] for m in recipe["meshes"]], ["ball.obj", "vases/bad.obj", "vases/two.obj"])
-        self.assertEqual([m["license"] for m in recipe["meshes"]], ["CC0-1.0", "unknown", "unknown"])  # patterns by name, '*' first
+        self.assertEqual([m["license"] for m in recipe["meshes"]], ["CC0-1.0", "CC-BY-4.0", "CC-BY-4.0"])
         for mesh in recipe["meshes"]:
             self.assertEqual(mesh["sha256"], hashed(os.path.join(self.library, mesh["object"])))
         self.assertEqual([o["object"] for o in recipe["objects"]], ["ball.obj", "vases/two.obj"])
@@ -76,6 +76,44 @@ class Recipe(CommandLine):
                 self.assertEqual(hashlib.sha256(lines.encode()).hexdigest()[:8], digest, (fracture, names))
                 everything += lines
             self.assertEqual(hashlib.sha256(everything.encode()).hexdigest(), made["sha256"])
+
+    def licenses(self, text):
+        with open(self.path("licenses"), "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        return "--licenses", self.path("licenses")
+
+    def stated(self, recipe):
+        return [m.get("license") for m in recipe["meshes"]]
+
+    def test_the_first_pattern_goes_before_others_and_a_path_before_all(self):
+        self.assertEqual(self.stated(self.made(*self.licenses("*\tany\nvases/*\tvase\nball.obj\tball\n"))), ["ball", "any", "any"])
+        recipe = self.made(*self.licenses("\ufeffvases/t*\tfirst\nvases/*\tsecond\nb*\tthird\n*\tlast"), "--replace")
+        self.assertEqual(self.stated(recipe), ["third", "second", "first"])
+
+    def test_licenses_without_a_mesh_are_named(self):
+        text = self.licenses("balls.obj\tx\nvases/*\ty\n*.stl\tz\nvases/two.obj\ty\n")
+        for more in (("--match", "b*"), ("--dry-run",)):
+            run = self.run_dataset(*SMALL, *text, *more)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("licenses: 2 of 4 licenses match no mesh, the first is of balls.obj", run.stderr)
+        run = self.run_dataset(*SMALL, *self.licenses("*\tx\n*o*\ty\n"), "--dry-run")
+        self.assertNotIn("match no mesh", run.stderr)
+
+    def test_a_run_without_licenses_keeps_those_of_the_dataset(self):
+        files = ("dataset.json", "recipe.json")
+        self.made(*self.licenses("vases/*\tCC-BY-4.0\n"))
+        before = [hashed(os.path.join(self.out, name)) for name in files]
+        self.assertEqual(self.stated(self.made("--resume")), [None, "CC-BY-4.0", "CC-BY-4.0"])
+        self.assertEqual([hashed(os.path.join(self.out, name)) for name in files], before)
+        self.assertEqual(self.stated(self.made("--resume", *self.licenses("ball.obj\tCC0-1.0\n"))), ["CC0-1.0", None, None])
+
+    def test_shards_without_licenses_keep_those_of_the_first(self):
+        for i, more in ((1, self.licenses("*\tCC0-1.0\n")), (2, ("--resume",))):
+            run = self.run_dataset(*SMALL, "--shard", f"{i}/2", *more)
+            self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(self.run_sherd("merge", self.out).returncode, 0)
+        with open(os.path.join(self.out, "recipe.json")) as file:
+            self.assertEqual(self.stated(json.load(file)), ["CC0-1.0"] * 3)
 
     def test_it_makes_the_same_dataset_again_in_every_layout(self):
         for layout in ("sherd", "packed", "paper", "bb", "pfpp"):
@@ -122,6 +160,28 @@ class Recipe(CommandLine):
         self.assertEqual(run.returncode, 3, run.stderr)
         self.assertIn("ball.obj: could be broken, and could not in the recipe's dataset", run.stderr)
 
+    def test_other_files_do_not_replace_a_dataset(self):
+        self.made()
+        recipe = self.changed(lambda r: r["objects"][0].update(sha256="0" * 64, fractures=["0" * 8] * 4))
+        again = self.path("again")
+        self.assertEqual(self.run_dataset("--resolution", "16", "--pieces", "2", out=again).returncode, 0)
+        before = tree(again)
+        run = self.again(recipe, "--replace", "--verify")
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("1 of 3 meshes gave other files than the recipe's, so " + again + " keeps its dataset", run.stderr)
+        self.assertIn("files are whole", run.stdout)
+        self.assertEqual({name: sum for name, sum in tree(again).items() if not name.startswith(".sherd-replacing")}, before)
+        self.assertEqual(self.run_sherd("merge", again).returncode, 0)
+        self.assertEqual(dataset(again), dataset(self.out))
+
+    def test_other_files_are_verified_too(self):
+        self.made()
+        recipe = self.changed(lambda r: r["objects"][0].update(sha256="0" * 64))
+        run = self.again(recipe, "--verify")
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("files are whole", run.stdout)
+        self.assertIn("1 of 3 meshes gave other files than the recipe's", run.stderr)
+
     def test_other_meshes_are_refused_before_anything_is_made(self):
         self.made()
         recipe = os.path.join(self.out, "recipe.json")
@@ -129,6 +189,9 @@ class Recipe(CommandLine):
         shutil.copytree(self.library, library)
         write_obj(os.path.join(library, "ball.obj"), sphere(radius=1.01))
         run = self.again(recipe, library=library)
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("ball.obj: is another file than that of the recipe", run.stderr)
+        run = self.again(recipe, "--dry-run", library=library)
         self.assertEqual(run.returncode, 3, run.stderr)
         self.assertIn("ball.obj: is another file than that of the recipe", run.stderr)
         os.remove(os.path.join(library, "ball.obj"))
@@ -150,6 +213,22 @@ class Recipe(CommandLine):
     def test_assemblages_have_none(self):
         run = self.run_sherd("assemblage", self.library, "-o", self.out, "--objects", "2..2", "--resolution", "20", "--pieces", "2..2", "--match", "*o*")
         self.assertFalse(os.path.exists(os.path.join(self.out, "recipe.json")), run.stderr)
+
+        for option in ("--recipe", "--licenses"):
+            run = self.run_sherd("assemblage", self.library, "-o", self.path("refused"), option, "/dev/null")
+            self.assertEqual(run.returncode, 2, run.stderr)
+            self.assertIn(option, run.stderr)
+            self.assertFalse(os.path.exists(self.path("refused")))
+        run = self.run_dataset("--objects", "2..2", "--resolution", "20", "--match", "*o*", *self.licenses("*\tCC0-1.0\n"), "--dry-run")
+        self.assertIn("--licenses does nothing with --objects", run.stderr)
+
+    def test_a_recipe_of_many_meshes_is_read(self):
+        self.made()
+        large = self.path("large.json")
+        with open(os.path.join(self.out, "recipe.json")) as file, open(large, "w") as out:
+            out.write(file.read() + " " * (65 << 20))
+        run = self.again(large, "--dry-run")
+        self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_a_damaged_recipe_is_a_sentence(self):
         self.made()
@@ -186,6 +265,9 @@ class Recipe(CommandLine):
             run = self.run_dataset(*SMALL, "--licenses", self.path("licenses"))
             self.assertEqual(run.returncode, 3, run.stderr)
             self.assertIn("has no license; a line is", run.stderr)
+        run = self.run_dataset(*SMALL, *self.licenses("a\tx\n*\tx\n# a\n*\tx\n"))
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertIn("licenses:4: * has a license in an earlier line", run.stderr)
         for path in (self.path("none"), self.library, "/dev/zero"):
             self.assertEqual(self.run_dataset(*SMALL, "--licenses", path).returncode, 3)
 

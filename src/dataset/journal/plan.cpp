@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kKind = "dataset.json of a dataset";
-constexpr std::uintmax_t kLargestPlan = std::uintmax_t{1} << 30;
 constexpr const char* kSchema = "sherd-dataset/1";
 constexpr std::uint64_t kLargestShare = 1'000'000;
 

@@ -12,6 +12,9 @@
 
 namespace sherd {
 
+/// Bytes of a dataset.json or recipe.json that is read.
+inline constexpr std::uintmax_t kLargestPlan = std::uintmax_t{1} << 30;
+
 struct DatasetPlan {
   std::string text;                    ///< datasetIdentity
   std::vector<LibraryObject> objects;  ///< those of all shards

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/cancel_flag.h"
 #include "base/files/parsed_json.h"
 #include "base/files/sha256.h"
 #include "base/input_error.h"
@@ -15,6 +16,7 @@
 #include "base/version.h"
 #include "dataset/journal/failure.h"
 #include "dataset/journal/json_fields.h"
+#include "dataset/journal/plan.h"
 #include "dataset/layouts/identity.h"
 
 namespace sherd {
@@ -24,7 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSchema = "sherd-recipe/1";
 constexpr const char* kKind = "recipe of a dataset";
-constexpr std::uintmax_t kLargestRecipe = std::uintmax_t{1} << 26;
 constexpr std::size_t kDigitsOfFracture = 8, kDigits = 64;
 
 // A line for each file of a fracture, by name.
@@ -155,7 +156,7 @@ std::string recipeText(const DatasetRecipe& recipe) {
 }
 
 DatasetRecipe readRecipe(const fs::path& file) {
-  const Json json = readOrderedJson(file, kKind, kLargestRecipe);
+  const Json json = readOrderedJson(file, kKind, kLargestPlan);
   try {
     return recipeOf(json);
   } catch (const Error& e) {
@@ -179,7 +180,7 @@ DatasetOptions optionsOfRecipe(const DatasetRecipe& recipe) {
         [&](const DrawnOption& a, const DrawnOption& b) { return place(a) < place(b); });
     for (const RecipeMesh& mesh : recipe.meshes) {
       options.library.keys.insert(mesh.key);
-      if (!mesh.license.empty()) options.library.licenses[mesh.key] = mesh.license;
+      if (!mesh.license.empty()) options.library.licenses.push_back({mesh.key, mesh.license});
     }
     return options;
   } catch (const Error& e) {
@@ -188,11 +189,12 @@ DatasetOptions optionsOfRecipe(const DatasetRecipe& recipe) {
   }
 }
 
-void requireMeshes(const fs::path& library, const DatasetRecipe& recipe) {
+void requireMeshes(const fs::path& library, const DatasetRecipe& recipe, const Progress* progress) {
   LibraryOptions options;
   for (const RecipeMesh& mesh : recipe.meshes) options.keys.insert(mesh.key);
   const std::vector<LibraryObject> found = findObjects(library, options);
   for (std::size_t i = 0; i < found.size(); ++i) {  // as many, and in the same order
+    throwIfCancelled(progress);
     const std::string& sum = recipe.meshes[i].sha256;
     if (sum.empty() || sumOfObject(found[i]) == sum) continue;
     inputError(found[i].file, "is another file than that of the recipe, whose SHA-256 is " + sum);
