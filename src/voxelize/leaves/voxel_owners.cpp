@@ -34,7 +34,7 @@ constexpr double kEquallyNear = 1e-9;
 
 // Returns the part of the pseudonormal of a triangle's surface at the point of it that is nearest
 // to p: the normal by the angle of the triangle there.  The sum over all triangles at that point
-// tells the sides of a surface apart, at edges and vertices too.
+// has the sign of the side of the surface, at edges and vertices too.
 //   source  Baerentzen, Aanaes: Signed distance computation using the angle weighted pseudonormal,
 //           2005
 glm::dvec3 pseudonormalPart(const std::array<glm::dvec3, 3>& t, const glm::dvec3& nearest) {

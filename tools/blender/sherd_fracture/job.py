@@ -216,7 +216,7 @@ class Job:
             self.renew(manifest)
 
     def renew(self, manifest):
-        """Tells the other pieces what they face now.  The new ones stay whatever comes of it."""
+        """Gives the other pieces the neighbors that they have now.  The new ones stay whatever comes of it."""
         try:
             renew_neighbors(self.again, manifest, self.fragments)
         except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
