@@ -38,8 +38,8 @@ class SurfaceNoise {
     std::optional<SelfAffineNoise> common{}, own{}, all{};
     double ownShare = 1.0, commonShare = 0.0;
 
-    /// Moves a point of the fragment's surface along its normal, as move() does vertices, and rotates
-    /// the normal.
+    /// Moves a point of the fragment's surface along its normal, as move() does vertices, and
+    /// rotates the normal.
     ///   toBoundary  from the contact's boundary, at most `fade`, voxels; its gradient has no unit.
     ///               Not read without a mismatch, or a neighbor
     void move(SurfacePoint& point, const SlopedValue& toBoundary) const;
