@@ -93,7 +93,7 @@ void setShard(DatasetOptions& o, const std::string& text) {
   o.shard = {static_cast<int>(*number), static_cast<int>(*of)};
 }
 
-constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
 
 const std::vector<Row> kScheduleRows{
     {.name = "pieces",
@@ -115,7 +115,7 @@ const std::vector<Row> kScheduleRows{
      .key = "repeats"},
     {.name = "max-fragments",
      .group = "Schedule",
-     .value = V::whole(kSchedule, &Schedule::maxFragments, 1, kMost),
+     .value = V::whole(kSchedule, &Schedule::maxFragments, 1, kUnlimited),
      .help = "Maximum number of fragments of one object",
      .details = "limit per object; the first fracture that would exceed it ends the "
                 "object's schedule",
