@@ -219,7 +219,7 @@ class Job:
         """Gives the other pieces the neighbors that they have now.  The new ones stay whatever comes of it."""
         try:
             renew_neighbors(self.again, manifest, self.fragments)
-        except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+        except (OSError, ValueError, KeyError, TypeError, IndexError, StopIteration) as error:
             self.notes.append(f"the neighbors of {self.name} keep the numbers that they faced before: {error}")
 
     def name_preview(self):
